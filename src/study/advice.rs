@@ -95,7 +95,8 @@ impl AdvicePlan {
     /// Periods that are performed and not recorded.
     pub const DISCARDED_PERIODS: usize = 1;
     /// Levels of the effects, in parts of the realistic one; each is as probable as the others.
-    pub const LEVELS: [(&'static str, f64); 4] = [("none", 0.0), ("quarter", 0.25), ("realistic", 1.0), ("twice", 2.0)];
+    pub const LEVELS: [(&'static str, f64); 4] =
+        [("no effects", 0.0), ("quarter level", 0.25), ("realistic level", 1.0), ("double level", 2.0)];
     /// Estimators that are compared.
     pub const ESTIMATORS: [&'static str; 2] = ["wls", "irls-huber"];
     /// Criteria whose designs are compared.

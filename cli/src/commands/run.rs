@@ -9,7 +9,9 @@ use armid::excitation::{Certificate, VerificationError, verify_certificate, veri
 use armid::experiment::{Ending as PlanEnding, Sink};
 use armid_hardware::guard::fastest_point;
 use armid_io::Error as Fault;
+use armid_io::output::write_text;
 use armid_io::recording::{CsvSink, FileSink, McapSink, beside, check_free, part_of};
+use armid_reports::{Figure, poses_figure};
 use miette::Result;
 
 use crate::answers::run::{Done, answer};
@@ -147,6 +149,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         if experiment.arm == ArmKind::Ros2 {
             speed::check_earlier(&experiment, speed, &motion, &earlier)?;
             if experiment.confirmation.is_none() {
+                show_poses(&experiment, &path, console)?;
                 real_time::advise(console);
                 experiment.confirmation = Some(arguments.guarding.confirmation(experiment.planned.robot.robot.name())?);
             }
@@ -173,6 +176,18 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         PlanEnding::Stopped { .. } => Ending::Interrupted,
         PlanEnding::Diverged { .. } | PlanEnding::Tripped { .. } => Ending::Negative,
     }))
+}
+
+/// Draws how the arm will move, before anybody is asked whether it may.
+fn show_poses(experiment: &Experiment, recording: &Path, console: &Console) -> Result<()> {
+    let figure = poses_figure(&experiment.planned.robot.robot, &experiment.planned.plan.trajectory);
+    let mut place = recording.with_extension("").into_os_string();
+    place.push("-poses.svg");
+    let place = PathBuf::from(place);
+    let svg = figure.svg().map_err(|fault| Fault::new(format!("the poses cannot be drawn: {fault}")))?;
+    write_text(&place, &svg)?;
+    console.note(&format!("how the arm will move: {}", place.display()));
+    Ok(())
 }
 
 /// The speeds to go through, in order: below the limit of `--reduced-speed`, each once, in periods of whole samples.
