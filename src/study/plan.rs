@@ -342,3 +342,17 @@ impl StudyPlan {
 fn default_engines() -> Vec<String> {
     vec!["analytic".to_owned()]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn engines_that_there_are_not_are_named() {
+        let mut plan = StudyPlan::from_toml(include_str!("../../experiments/01-criteria/study.toml")).unwrap();
+        plan.engines = ["analytic", "another"].map(str::to_owned).to_vec();
+        assert_eq!(plan.check_engines(&["another", "analytic", "third"]), Ok(()));
+        let fault = plan.check_engines(&["analytic", "third"]).unwrap_err().to_string();
+        assert!(["another", "analytic", "third"].iter().all(|name| fault.contains(name)), "{fault}");
+    }
+}
