@@ -239,7 +239,7 @@ impl StudySetup {
 mod tests {
     use super::*;
     use crate::study::run_id::RunId;
-    use crate::study::small_results::{ESTIMATOR, score, setup};
+    use crate::study::small_results::{ESTIMATOR, erring, score, setup};
     use crate::study::{Outcome, OutcomeTable, Score, ScoredEstimate};
 
     #[test]
@@ -251,17 +251,7 @@ mod tests {
         let place = setup.plan.identification.estimators.iter().position(|name| name == ESTIMATOR).unwrap();
         let outcome = |RunId { design, condition, run }: RunId, error: Option<f64>| {
             let estimate = |error: f64| ScoredEstimate {
-                score: Some(Score {
-                    prediction_rmse_nm: f64::NAN,
-                    prediction_rmse_of_rating: error,
-                    joint_rmse_nm: Vec::new(),
-                    reference_rmse: f64::NAN,
-                    si_rmse: f64::NAN,
-                    measured_rmse_nm: None,
-                    slow_rmse_nm: f64::NAN,
-                    point_to_point_rmse_nm: f64::NAN,
-                    static_rmse_nm: None,
-                }),
+                score: Some(Score { prediction_rmse_of_rating: error, ..erring(f64::NAN) }),
                 ..ScoredEstimate::failed(ESTIMATOR, crate::study::RunError::estimator(&""))
             };
             let estimates = error.map_or_else(Vec::new, |error| vec![estimate(error); place + 1]);

@@ -7,6 +7,7 @@ use super::family_score::FamilyScore;
 use super::metric::Metric;
 use super::plan::StudyPlan;
 use super::result::StudyResult;
+use super::scorer::Score;
 use super::setup::StudySetup;
 use super::truth::Truth;
 use super::truth_files::truth_text;
@@ -35,6 +36,21 @@ pub(super) fn score(family: &str, prediction: Option<f64>) -> FamilyScore {
         reference_spread: None,
         parameters: Vec::new(),
         coverage: 0.95,
+    }
+}
+
+/// An estimate that errs alike by every measure that it has.
+pub(super) const fn erring(error: f64) -> Score {
+    Score {
+        prediction_rmse_nm: error,
+        prediction_rmse_of_rating: error,
+        joint_rmse_nm: Vec::new(),
+        reference_rmse: error,
+        si_rmse: error,
+        measured_rmse_nm: None,
+        slow_rmse_nm: error,
+        point_to_point_rmse_nm: error,
+        static_rmse_nm: Some(error),
     }
 }
 
