@@ -224,6 +224,10 @@ fn identity_scores_of_the_truth_are_zero() {
     let score = setup.scorer().score(&setup.scorer().truths()[0], 0, None);
     let found = [score.prediction_rmse_nm, score.slow_rmse_nm, score.point_to_point_rmse_nm];
     assert_eq!((found, score.static_rmse_nm, score.measured_rmse_nm), ([0.0; 3], Some(0.0), None));
+    // Off by one unit in each parameter.
+    let score = setup.scorer().score(&(&setup.scorer().truths()[0] + setup.scorer().units()), 0, None);
+    let units = root_mean_square(setup.scorer().units().as_slice());
+    assert!((score.reference_rmse - 1.0).abs() < 1e-9 && (score.si_rmse / units - 1.0).abs() < 1e-9, "{score:?}");
 }
 
 #[test]
