@@ -32,6 +32,7 @@ impl GridPlan {
                         family: Some(family.clone()),
                         harmonics: Some(HarmonicsPlan::Every(harmonics)),
                         freeze: std::collections::BTreeMap::new(),
+                        rms_speed: None,
                         after: None,
                         starts: self.starts,
                         evaluations: self.evaluations,

@@ -23,7 +23,7 @@ const SEED: Seed = Seed::new(1989);
 fn settings(trajectories: usize) -> (ExperimentSettings, ValidationSettings) {
     let experiment =
         ExperimentSettings { period_s: 10.0, harmonics: 5, rate_hz: 1000.0, periods: 5, discarded_periods: 1 };
-    (experiment, ValidationSettings { trajectories, samples: 40, measured: 0 })
+    (experiment, ValidationSettings { trajectories, samples: 40, measured: 0, measured_on: MotionKind::Random })
 }
 
 fn named(name: &str) -> (Robot, StandardParameters) {
