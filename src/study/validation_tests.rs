@@ -97,6 +97,24 @@ fn every_kind_of_validation_motion_is_inside_all_ratings_between_samples_too() {
 }
 
 #[test]
+fn what_an_arm_measures_is_inside_all_ratings_in_periods_of_whole_samples() {
+    let (robot, nominal) = named("crs-a460");
+    for measured_on in [MotionKind::Random, MotionKind::Slow, MotionKind::PointToPoint] {
+        let (experiment, validation) = settings(1);
+        let validation = ValidationSettings { measured: 3, measured_on, ..validation };
+        let motions = ValidationMotions::draw(&robot, &nominal, &experiment, &validation, SEED).unwrap();
+        assert_eq!((motions.measured().len(), motions.random().len()), (3, 3));
+        for (motion, random) in motions.measured().iter().zip(motions.random()) {
+            let blocks = motion.period_s() * experiment.rate_hz / 500.0;
+            assert!((blocks - blocks.round()).abs() < 1e-9, "{blocks}");
+            assert_inside(&robot, &nominal, &motion.sample(4001), measured_on);
+            let slower = motion.period_s() / random.period_s();
+            assert!(measured_on != MotionKind::Slow || (1.0 / 0.3..1.0 / 0.3 + 0.05).contains(&slower), "{slower}");
+        }
+    }
+}
+
+#[test]
 fn identity_random_motions_without_ratings_are_the_first_draws_and_others_are_drawn_again() {
     let (robot, nominal) = named("crs-a460");
     let (experiment, _) = settings(20);
