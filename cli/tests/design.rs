@@ -23,9 +23,16 @@ fn design(criterion: &str, more: &[&str], out: &str) -> Value {
 #[test]
 fn the_keys_of_the_contract_are_there_for_every_criterion() {
     let folder = temporary();
-    for criterion in
-        ["condition", "condition-scaled", "d-optimal", "a-optimal", "condition-plus-d", "i-optimal", "model-error"]
-    {
+    for criterion in [
+        "condition",
+        "condition-scaled",
+        "condition-in-units",
+        "d-optimal",
+        "a-optimal",
+        "condition-plus-d",
+        "i-optimal",
+        "model-error",
+    ] {
         let out = path(folder.path(), "T.toml");
         let found = design(criterion, &[], &out);
         assert_eq!(found["criterion"], criterion);

@@ -40,7 +40,9 @@ pub(crate) fn convergence_panel(title: String, value: Axis, curves: Vec<Curve>) 
 /// The axis of the criterion with this name; of one from outside of the list its name is all that is known.
 pub(crate) fn value_axis(criterion: &str) -> Axis {
     match CriterionKind::parse(criterion) {
-        Some(CriterionKind::Condition | CriterionKind::ConditionScaled) => Axis::log("condition number", ""),
+        Some(CriterionKind::Condition | CriterionKind::ConditionScaled | CriterionKind::ConditionInUnits) => {
+            Axis::log("condition number", "")
+        }
         Some(CriterionKind::DOptimal) => Axis::linear("ln det of the information", ""),
         Some(CriterionKind::AOptimal) => Axis::log("sum of variances per row", ""),
         Some(CriterionKind::EOptimal) => Axis::log("smallest eigenvalue per row", ""),

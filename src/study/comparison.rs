@@ -3,6 +3,7 @@
 //! ```text
 //! y_k = mean over the runs of design k of ln(metric)
 //! paired    d_k = y_1k − y_2k of designs that share their start       ratio exp( d̄ ± t_{n−1} s_d/√n )
+//! crossed   the same for each draw of effects that all designs share: pairs × draws, an interval over both
 //! else      Welch's interval of ȳ_1 − ȳ_2                             ratio exp of its ends
 //! better    where Holm's adjusted p over all pairs of one metric, estimator and condition is below 0.05
 //! ```
@@ -14,9 +15,12 @@ use super::evidence::{Evidence, LEVEL, RunValues};
 use super::family_score::{VOLUME_RESAMPLES, VOLUME_RUNS};
 use super::metric::Metric;
 use super::replication::Replication;
+use super::shared_start::SharedStart;
 use super::volume::ErrorVolumes;
 use crate::seed::Seed;
-use crate::statistics::{Interval, MeanDifference, holm_adjusted, mean, paired_difference, welch_difference};
+use crate::statistics::{
+    Interval, MeanDifference, crossed_difference, holm_adjusted, mean, paired_difference, welch_difference,
+};
 
 /// The difference between two families of designs in one metric.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -82,6 +86,11 @@ impl Evidence<'_> {
         if sides.iter().any(|values| values.is_empty() || !mean(values).is_finite()) {
             return None;
         }
+        let crossed = crossed_difference(&self.differences_by_draw(runs, pair, logs), LEVEL);
+        if let Some(found) = crossed {
+            let unit = Replication::PairedDesignsAndDraws;
+            return Some(self.of_means(metric, runs.name, pair, unit, &found));
+        }
         let matched = self.matched_differences([&units[0], &units[1]]);
         let found = match &matched {
             Some((unit, differences)) => paired_difference(differences, LEVEL).map(|found| (*unit, found)),
@@ -96,6 +105,29 @@ impl Evidence<'_> {
         };
         let without = || self.comparison(metric, runs.name, pair, libm::exp(mean(&sides[0]) - mean(&sides[1])));
         Some(found.map_or_else(without, |(unit, found)| self.of_means(metric, runs.name, pair, unit, &found)))
+    }
+
+    /// The differences of designs that share their start, one row each, under each draw of effects; none where nothing is drawn.
+    /// Pairs that lack a value under one of the draws are left out.
+    fn differences_by_draw(&self, runs: &EstimatorRuns<'_>, pair: [usize; 2], logs: &RunValues) -> Vec<Vec<f64>> {
+        if !self.draws_effects {
+            return Vec::new();
+        }
+        let of_draw = |design: usize, draw: usize| {
+            let values = logs[design].iter().zip(&runs.truths[design]).filter(|(_, truth)| **truth == draw);
+            let values: Vec<f64> = values.filter_map(|(log, _)| *log).collect();
+            (!values.is_empty()).then(|| mean(&values))
+        };
+        let [first, second] = pair.map(|family| self.designs_of(family));
+        let start = |design: usize| self.designs[design].start;
+        let partner = |design: &usize| {
+            let shares = |other: &&usize| start(**other) == start(*design) && start(*design) != SharedStart::Fixed;
+            second.iter().find(shares).map(|&other| (*design, other))
+        };
+        let row = |(design, other)| {
+            (1..=self.truths).map(|draw| Some(of_draw(design, draw)? - of_draw(other, draw)?)).collect()
+        };
+        first.iter().filter_map(partner).filter_map(row).collect()
     }
 
     /// The comparison by the difference of two means of logarithms.
@@ -217,15 +249,19 @@ mod tests {
     use super::*;
     use crate::study::evidence::Findings;
     use crate::study::run_table::RunNumber;
-    use crate::study::{DesignRow, RunTable, SharedStart, StatusCount};
+    use crate::study::{DesignRow, RunTable, StatusCount};
 
     /// One error of each run of each design, the same by every metric of single runs and of its only parameter.
     #[derive(Debug)]
-    struct Errors(Vec<Vec<Option<f64>>>);
+    struct Errors {
+        errors: Vec<Vec<Option<f64>>>,
+        /// Whether run r is on the arm of draw r + 1.
+        draws: bool,
+    }
 
     impl RunTable for Errors {
         fn runs(&self, design: usize, _: usize) -> usize {
-            self.0[design].len()
+            self.errors[design].len()
         }
 
         fn numbers(
@@ -236,8 +272,9 @@ mod tests {
             number: RunNumber,
         ) -> Result<Vec<Option<f64>>, StudyError> {
             Ok(match number {
+                RunNumber::Truth if self.draws => range.map(|run| Some(run as f64 + 1.0)).collect(),
                 RunNumber::Metric { metric: Metric::Measured, .. } | RunNumber::Truth => vec![None; range.len()],
-                _ => self.0[design][range].to_vec(),
+                _ => self.errors[design][range].to_vec(),
             })
         }
 
@@ -252,6 +289,16 @@ mod tests {
         runs_of_noise: usize,
         runs_are_matched: bool,
     ) -> Findings {
+        findings_of_draws(families, runs_of_noise, runs_are_matched, 0)
+    }
+
+    /// The same where each run has one of so many draws of effects.
+    fn findings_of_draws(
+        families: Vec<Vec<(SharedStart, Vec<Option<f64>>)>>,
+        runs_of_noise: usize,
+        runs_are_matched: bool,
+        draws: usize,
+    ) -> Findings {
         let names: Vec<String> = (0..families.len()).map(|family| format!("family {family}")).collect();
         let (mut designs, mut errors) = (Vec::new(), Vec::new());
         for (family, of_family) in families.into_iter().enumerate() {
@@ -265,12 +312,13 @@ mod tests {
             compare_with: &[],
             designs: &designs,
             estimators: &["wls".to_owned()],
-            truths: 0,
+            truths: draws,
             units: &DVector::from_element(1, 1.0),
-            runs: &Errors(errors),
+            runs: &Errors { errors, draws: draws > 0 },
             condition: 0,
             runs_of_noise,
             runs_are_matched,
+            draws_effects: draws > 0,
             seed: Seed::new(1),
         }
         .findings()
@@ -308,6 +356,28 @@ mod tests {
         assert!((high / (0.25 * above(T_1, LN_2)) - 1.0).abs() < 1e-9, "{high}");
         assert!((found.p.unwrap() - (1.0 - 2.0_f64.atan() / std::f64::consts::FRAC_PI_2)).abs() < 1e-12);
         assert_eq!(found.better, None);
+    }
+
+    #[test]
+    fn analytic_draws_that_all_designs_share_are_units_beside_designs() {
+        let family = |errors: [[f64; 2]; 2]| {
+            errors.iter().enumerate().map(|(k, of)| (SharedStart::Guess(k), all(of))).collect::<Vec<_>>()
+        };
+        let of =
+            |first, second| by_prediction(findings_of_draws(vec![family(first), family(second)], 1, true, 2)).remove(0);
+        let unit = Some(Replication::PairedDesignsAndDraws);
+        // Ratios of 1/2 and 1/8 whatever the draw, and of 1/2 and 1/8 whatever the design: standard error ln 2 either way.
+        for second in [[[2.0, 4.0], [8.0, 8.0]], [[2.0, 16.0], [2.0, 8.0]]] {
+            let found = of([[1.0, 2.0], [1.0, 1.0]], second);
+            assert_eq!((found.unit, found.degrees_of_freedom), (unit, Some(1.0)), "{found:?}");
+            assert!((found.difference - 0.25).abs() < 1e-14);
+            assert!((found.interval.unwrap().high / (0.25 * above(T_1, LN_2)) - 1.0).abs() < 1e-9, "{found:?}");
+        }
+        // Designs and draws together: standard error √2 ln 2 with two degrees of freedom.
+        let both = of([[1.0; 2]; 2], [[1.0, 4.0], [4.0, 16.0]]);
+        assert!((both.degrees_of_freedom.unwrap() - 2.0).abs() < 1e-12);
+        let high = both.interval.unwrap().high;
+        assert!((high / (0.25 * above(T_2, std::f64::consts::SQRT_2 * LN_2)) - 1.0).abs() < 1e-9, "{high}");
     }
 
     #[test]

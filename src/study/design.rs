@@ -184,6 +184,9 @@ impl StudySetup {
             space = space.with_frozen(index, *place)?;
         }
         problem.set_space(space)?;
+        if let Some(most) = plan.rms_speed {
+            problem.set_limits(problem.limits().clone().with_rms_speed(most)?)?;
+        }
         if expects_effects {
             let expected = plan.expected_effects().expected(&self.robot, &self.nominal);
             problem.set_expected(expected.map_err(|fault| plan_error::expected(&fault))?)?;

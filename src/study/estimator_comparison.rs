@@ -162,6 +162,7 @@ mod tests {
             condition: 0,
             runs_of_noise,
             runs_are_matched: false,
+            draws_effects: false,
             seed: Seed::new(1),
         };
         let mut found = evidence.estimator_comparisons().unwrap();

@@ -65,6 +65,8 @@ pub struct Evidence<'a> {
     pub runs_of_noise: usize,
     /// Whether runs of the same number of two designs share arm or noise.
     pub runs_are_matched: bool,
+    /// Whether signs and phases of effects are drawn with each truth: the truths are then units as designs are.
+    pub draws_effects: bool,
     /// Seed of the draws of log volumes.
     pub seed: Seed,
 }
@@ -276,6 +278,7 @@ mod tests {
             condition: 0,
             runs_of_noise: 1,
             runs_are_matched: false,
+            draws_effects: false,
             seed: Seed::new(1),
         }
         .findings()
@@ -347,6 +350,7 @@ mod tests {
             condition: 0,
             runs_of_noise: 1,
             runs_are_matched: false,
+            draws_effects: false,
             seed: Seed::new(1),
         }
         .findings()

@@ -54,6 +54,9 @@ pub struct FamilyPlan {
     /// Joints that stand still, by name, and where, rad.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub freeze: BTreeMap<String, f64>,
+    /// Largest RMS speed of its designs as a part of the speed limits, [`rms_speed`](crate::excitation::rms_speed); unlimited where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rms_speed: Option<f64>,
     /// An earlier family whose experiment goes before: its information counts, and its estimates too.
     #[serde(default)]
     pub after: Option<String>,

@@ -32,6 +32,7 @@ impl GridPlan {
                         family: Some(family.clone()),
                         harmonics: Some(HarmonicsPlan::Every(harmonics)),
                         freeze: std::collections::BTreeMap::new(),
+                        rms_speed: None,
                         after: None,
                         starts: self.starts,
                         evaluations: self.evaluations,
@@ -71,6 +72,9 @@ mod tests {
             ("after = \"redesign 2\"", "after = \"redesign 4\"", "after is \"redesign 4\", expected one of"),
             ("compare_with = [\"repeat condition 4\"", "compare_with = [\"nothing\"", "compare_with is \"nothing\""),
             ("making = \"repeated\"\nafter = \"condition 1\"", "making = \"repeated\"", "after is \"\""),
+            ("making = \"optimised\"", "making = \"optimised\"\nrms_speed = 2.0", "design.rms_speed is 2, expected"),
+            ("[validation]", "[validation]\nmeasured_on = \"static\"", "validation.measured_on is \"static\""),
+            ("[experiment]", "[truths]\ncount = 2\ndraw_effects = true\n[effects]\nseed = 3\n[experiment]", "effects.seed is 3"),
         ] {
             assert!(SEQUENTIAL.contains(from), "{from}");
             let fault = StudyPlan::from_toml(&SEQUENTIAL.replacen(from, to, 1)).unwrap_err().to_string();

@@ -7,6 +7,7 @@ use super::grid::GridPlan;
 use super::own_methods::OwnMethods;
 use super::plan_error::{StudyPlanError, family_name, name, number};
 use super::random_truth::RandomTruths;
+use super::validation::MotionKind;
 use super::variance_reduction::VarianceReduction;
 use crate::estimation::Estimator;
 use crate::experiment::{Effects, ExpectedEffectError};
@@ -113,9 +114,12 @@ pub struct ValidationSettings {
     pub trajectories: usize,
     /// Samples of each.
     pub samples: usize,
-    /// So many of the random ones are performed by the arm of every condition, and what it measures there scores its estimates too.
+    /// So many motions are performed by the arm of every condition, and what it measures there scores its estimates too.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub measured: usize,
+    /// On which kind of motion it is measured: random, slow or point to point.
+    #[serde(default, skip_serializing_if = "MotionKind::is_random")]
+    pub measured_on: MotionKind,
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
@@ -197,6 +201,9 @@ impl StudyPlan {
                 return Err(number(key, found, "a finite number above zero"));
             }
         }
+        if self.validation.measured_on == MotionKind::Static {
+            return Err(name("validation.measured_on", "static", ["random", "slow", "point-to-point"]));
+        }
         self.check_truths()?;
         self.check_variance_reduction()?;
         self.check_names_and_sizes()?;
@@ -204,6 +211,9 @@ impl StudyPlan {
             family.family()?;
             if let Some(all) = family.of_starts.filter(|&all| all < family.starts) {
                 return Err(number("design.of_starts", all, "at least design.starts"));
+            }
+            if let Some(found) = family.rms_speed.filter(|most| !(*most > 0.0 && *most <= 1.0)) {
+                return Err(number("design.rms_speed", found, "a number above 0 and at most 1"));
             }
             match family.method {
                 DesignMethod::Optimised | DesignMethod::Random => {
@@ -249,7 +259,13 @@ impl StudyPlan {
                 return Err(number(key, found, "a number from 0 to 1"));
             }
         }
-        Ok(())
+        let seeds = std::iter::once(&self.effects).chain(&self.effect_sets).map(|effects| effects.seed().value());
+        match seeds.into_iter().find(|&seed| truths.draw_effects && seed != 0) {
+            Some(found) => {
+                Err(number("effects.seed", found, "none, since truths.draw_effects draws one for each truth"))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Does the plan ask for this way?

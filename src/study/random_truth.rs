@@ -4,6 +4,7 @@
 //! U' = U E            each link: U the log-Cholesky factor of its pseudo-inertia, E that of
 //!                     (½ s_m z, s_i z, s_i z, …): every draw is a body that can exist
 //! x' = x exp(s z)     rotor inertia, and the coefficient of every other term
+//! effects             their seed, where `draw_effects` says so: signs, phases and directions, never a magnitude
 //! ```
 //! with z independent standard normal numbers. `s_m` is the standard deviation of ln m. `s_i` is that of the logarithm
 //! of the body's lengths, and the centre of mass moves by `s_i` times the body's own radius along each axis.
@@ -38,6 +39,10 @@ pub struct RandomTruths {
     /// Standard deviation of the logarithm of the coefficient of every other torque term.
     #[serde(default = "friction_spread")]
     pub friction_spread: f64,
+    /// Whether each truth has signs, phases and directions of effects of its own, in place of those that the effects' seed gives to
+    /// all. Designs are then compared over designs and draws.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub draw_effects: bool,
 }
 
 /// What random truths are drawn around.
@@ -87,6 +92,7 @@ impl RandomTruths {
             inertia_spread: inertia_spread(),
             rotor_spread: rotor_spread(),
             friction_spread: friction_spread(),
+            draw_effects: false,
         }
     }
 
@@ -95,7 +101,12 @@ impl RandomTruths {
     /// # Errors
     /// [`TruthError`] where a link of `centre` is physically inconsistent.
     pub fn draw(&self, centre: &Truth, seed: Seed) -> Result<Vec<Truth>, TruthError> {
-        (0..self.count as u64).map(|index| self.one(centre, &mut seed.stream("truth", index))).collect()
+        let draw = |index| {
+            let truth = self.one(centre, &mut seed.stream("truth", index))?;
+            let effects = seed.child("effects of a truth", index);
+            Ok(if self.draw_effects { Truth { effects: truth.effects.with_seed(effects), ..truth } } else { truth })
+        };
+        (0..self.count as u64).map(draw).collect()
     }
 
     fn one(&self, centre: &Truth, rng: &mut impl Rng) -> Result<Truth, TruthError> {
@@ -202,11 +213,15 @@ mod tests {
             friction_spread: 0.0,
             ..RandomTruths::of(1)
         };
-        let same = &none.draw(&centre, seed).unwrap()[0].parameters;
+        let same = &none.clone().draw(&centre, seed).unwrap()[0].parameters;
         assert_eq!(same.drives, centre.parameters.drives);
         for (a, b) in same.links.iter().zip(&centre.parameters.links) {
             assert!(a.to_array().iter().zip(b.to_array()).all(|(a, b)| (a - b).abs() < 1e-14));
         }
+        // Signs and phases of effects are drawn apart from the parameters.
+        let effects = RandomTruths { draw_effects: true, ..none }.draw(&centre, seed).unwrap().remove(0);
+        assert_eq!((&effects.parameters, drawn[0].effects.seed()), (same, Seed::new(0)));
+        assert_ne!(effects.effects.seed(), Seed::new(0));
         let mut impossible = centre;
         impossible.parameters.links[2] = Inertia::zero();
         let fault = few.draw(&impossible, seed).unwrap_err().to_string();

@@ -14,6 +14,9 @@ pub enum Replication {
     /// Pairs of designs, one of each family, that share their start.
     #[serde(rename = "paired designs")]
     PairedDesigns,
+    /// The same pairs, and draws of the arm that all designs share.
+    #[serde(rename = "paired designs and draws")]
+    PairedDesignsAndDraws,
     /// Designs of either family.
     #[serde(rename = "designs")]
     Designs,
@@ -36,6 +39,7 @@ impl Replication {
     pub const fn words(self) -> &'static str {
         match self {
             Self::PairedDesigns => "paired designs",
+            Self::PairedDesignsAndDraws => "paired designs and draws",
             Self::Designs => "designs",
             Self::DesignsAndRuns => "designs and runs",
             Self::PairedRuns => "paired runs",

@@ -365,6 +365,7 @@ impl StudySetup {
             compare_with: &self.plan.compare_with,
             runs_of_noise: self.plan.runs_of_noise(),
             runs_are_matched: self.plan.truths.is_some() || self.plan.reduces_variance(VarianceReduction::CommonNoise),
+            draws_effects: self.plan.truths.as_ref().is_some_and(|truths| truths.draw_effects),
             seed: self.plan.seed.child("bootstrap", 0),
         }
         .findings()

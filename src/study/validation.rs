@@ -70,10 +70,11 @@ const POSE_DRAWS: u64 = 10_000;
 const SMALLER: f64 = 0.95;
 
 /// A kind of motion on which torque predictions are tested.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MotionKind {
     /// Random trajectories.
+    #[default]
     Random,
     /// The same at 30 % of their speed.
     Slow,
@@ -87,6 +88,13 @@ crate::input::named! { MotionKind as title {
     Random: "random", Slow: "slow", PointToPoint: "point to point", Static: "static"
 } }
 
+impl MotionKind {
+    #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+    pub(super) const fn is_random(&self) -> bool {
+        matches!(self, Self::Random)
+    }
+}
+
 /// The validation motions of a study.
 ///
 /// `trajectories` of each kind with `samples` states each; of the poses as many as of states of another kind.
@@ -94,6 +102,8 @@ crate::input::named! { MotionKind as title {
 pub struct ValidationMotions {
     random: Vec<PeriodicTrajectory>,
     moves: Vec<PointToPointMove>,
+    /// What an arm performs beside its runs.
+    measured: Vec<PeriodicTrajectory>,
     poses: Vec<States>,
     /// Random motions that predictions are tested on; the arm may perform more.
     tested: usize,
@@ -129,21 +139,38 @@ impl ValidationMotions {
     ) -> Result<Self, ValidationError> {
         let mut rating = TorqueRating::new(robot, nominal);
         let (tested, samples) = (settings.trajectories, settings.samples);
-        let random = (0..tested.max(settings.measured) as u64)
+        let most = tested.max(settings.measured);
+        let random = (0..most as u64)
             .map(|index| random_motion(robot, &mut rating, experiment, seed, index))
             .collect::<Result<Vec<_>, _>>()?;
-        let moves = (0..tested as u64)
+        let moves = (0..if settings.measured_on == MotionKind::PointToPoint { most } else { tested } as u64)
             .map(|index| point_to_point(robot, &mut rating, &mut seed.stream("validation move", index)))
             .collect::<Result<Vec<_>, _>>()?;
         let poses = (0..tested as u64)
             .map(|index| static_poses(robot, &mut rating, samples, &mut seed.stream("validation pose", index)))
             .collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { random, moves, poses, tested, samples })
+        // Many divisors, so that a period of any length gives equally many equations.
+        let step_s = GRID as f64 / experiment.rate_hz;
+        let whole = |duration_s: f64| step_s * (duration_s / step_s).ceil();
+        let mut measured: Vec<PeriodicTrajectory> = match settings.measured_on {
+            MotionKind::Random | MotionKind::Static => random.clone(),
+            MotionKind::Slow => {
+                random.iter().map(|of| of.at_speed(of.period_s() / whole(of.period_s() / SLOW))).collect()
+            }
+            MotionKind::PointToPoint => moves.iter().map(|made| made.there_and_back(robot, whole)).collect(),
+        };
+        measured.truncate(settings.measured);
+        Ok(Self { random, moves, measured, poses, tested, samples })
     }
 
-    /// The random trajectories: those that predictions are tested on, and those that an arm performs beside its runs.
+    /// The random trajectories.
     pub fn random(&self) -> &[PeriodicTrajectory] {
         &self.random
+    }
+
+    /// The motions that an arm performs beside its runs: random ones, the same slowly, or moves there and back.
+    pub fn measured(&self) -> &[PeriodicTrajectory] {
+        &self.measured
     }
 
     /// The moves from point to point.

@@ -23,7 +23,7 @@ const SEED: Seed = Seed::new(1989);
 fn settings(trajectories: usize) -> (ExperimentSettings, ValidationSettings) {
     let experiment =
         ExperimentSettings { period_s: 10.0, harmonics: 5, rate_hz: 1000.0, periods: 5, discarded_periods: 1 };
-    (experiment, ValidationSettings { trajectories, samples: 40, measured: 0 })
+    (experiment, ValidationSettings { trajectories, samples: 40, measured: 0, measured_on: MotionKind::Random })
 }
 
 fn named(name: &str) -> (Robot, StandardParameters) {
@@ -92,6 +92,24 @@ fn every_kind_of_validation_motion_is_inside_all_ratings_between_samples_too() {
             let all = dense(&motions, kind);
             assert_eq!(all.len(), 6);
             all.iter().for_each(|states| assert_inside(&robot, &nominal, states, kind));
+        }
+    }
+}
+
+#[test]
+fn what_an_arm_measures_is_inside_all_ratings_in_periods_of_whole_samples() {
+    let (robot, nominal) = named("crs-a460");
+    for measured_on in [MotionKind::Random, MotionKind::Slow, MotionKind::PointToPoint] {
+        let (experiment, validation) = settings(1);
+        let validation = ValidationSettings { measured: 3, measured_on, ..validation };
+        let motions = ValidationMotions::draw(&robot, &nominal, &experiment, &validation, SEED).unwrap();
+        assert_eq!((motions.measured().len(), motions.random().len()), (3, 3));
+        for (motion, random) in motions.measured().iter().zip(motions.random()) {
+            let blocks = motion.period_s() * experiment.rate_hz / 500.0;
+            assert!((blocks - blocks.round()).abs() < 1e-9, "{blocks}");
+            assert_inside(&robot, &nominal, &motion.sample(4001), measured_on);
+            let slower = motion.period_s() / random.period_s();
+            assert!(measured_on != MotionKind::Slow || (1.0 / 0.3..1.0 / 0.3 + 0.05).contains(&slower), "{slower}");
         }
     }
 }

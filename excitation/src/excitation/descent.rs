@@ -79,23 +79,18 @@ pub(crate) fn optimise(
         history: Vec::new(),
     };
     search.record();
-    let mut ending = search.descend();
-    let mut last = ending.clone();
+    // The search ends as its last descent does: where that was cut off, more evaluations might have found more.
+    let mut last = search.descend();
     let mut hop = 0;
     while last.is_converged() && search.state.evaluations + HOP_EVALUATIONS <= problem.budget().evaluations() {
         search.hop(seed, hop)?;
         hop += 1;
-        let before = search.least;
         last = search.descend();
-        // A hop that did not help leaves the result, and so its ending, as it was.
-        if search.least < before || last == Termination::Interrupted {
-            ending = last.clone();
-        }
     }
     if search.is_worth_restoring() && search.state.evaluations < problem.budget().evaluations() {
         search.restore_nearly_inside();
     }
-    Ok(search.found(ending))
+    Ok(search.found(last))
 }
 
 fn settings(problem: &DesignProblem) -> SequentialSettings {

@@ -11,6 +11,7 @@ use super::limits::{WorstUse, shrink_into_limits};
 use super::margins::Margins;
 use super::path_rows::{PathRows, use_on_ramps};
 use super::problem::DesignProblem;
+use super::rms_speed::RmsSpeed;
 use super::termination::Termination;
 use crate::model::Robot;
 use crate::optimiser::{CombinedLimits, LinearLimits, Row, RowSource, SmoothLimits};
@@ -75,6 +76,7 @@ pub(crate) struct Feasibility {
     /// Without a payload, and with it where there is one.
     efforts: Vec<EffortLimits>,
     samples: usize,
+    rms_speed: Option<f64>,
 }
 
 impl Feasibility {
@@ -106,12 +108,16 @@ impl Feasibility {
                 smooth.limits.push(Box::new(ClearanceLimits::new(scene, &basis, samples, clearance)));
             }
         }
+        let rms_speed = problem.limits().rms_speed();
+        if let Some(most) = rms_speed {
+            smooth.limits.push(Box::new(RmsSpeed::new(&robot, &basis, samples, (1.0 - 2.0 * EXCESS_TOLERANCE) * most)));
+        }
         let timeline = problem.timeline(basis.period_s());
         let linear = AllRows {
             period: LimitRows::new(&robot, &basis, &margins, ROW_TOLERANCE),
             paths: PathRows::new(&robot, &basis, timeline, &margins, ROW_TOLERANCE),
         };
-        Ok(Self { robot, basis, margins, timeline, linear, smooth, efforts, samples })
+        Ok(Self { robot, basis, margins, timeline, linear, smooth, efforts, samples, rms_speed })
     }
 
     pub(crate) fn basis(&self) -> &MotionBasis {
@@ -166,7 +172,7 @@ impl Feasibility {
         self.shrink_for_torque(trajectory, 10 * self.samples, 0.0, FINISH)
     }
 
-    /// Brings every joint inside its limits of position, velocity, acceleration and jerk, ramps included.
+    /// Brings every joint inside its limits of position, velocity, acceleration and jerk, ramps included, and all inside the RMS speed.
     fn shrink_for_motion(&self, trajectory: &mut PeriodicTrajectory) {
         shrink_into_limits(&self.robot, trajectory, &self.margins);
         for (j, joint) in self.robot.joints().iter().enumerate() {
@@ -176,6 +182,10 @@ impl Feasibility {
             if most > 1.0 {
                 trajectory.adjust(j, 1.0 / most, 0.0);
             }
+        }
+        if let Some(most) = self.rms_speed {
+            let factor = RmsSpeed::factor(&self.robot, trajectory, RAMP_SAMPLES, most);
+            (0..trajectory.dof()).for_each(|joint| trajectory.adjust(joint, factor, 0.0));
         }
     }
 

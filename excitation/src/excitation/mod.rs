@@ -27,6 +27,7 @@ mod objective;
 mod padded_rows;
 mod path_rows;
 mod problem;
+mod rms_speed;
 mod sampled;
 mod start;
 mod termination;
@@ -51,6 +52,7 @@ pub use objective::InformationObjective;
 pub use problem::{
     DEFAULT_EVALUATIONS, DesignBudget, DesignLimits, DesignObjective, DesignProblem, DesignSpace, LimitSettings,
 };
+pub use rms_speed::rms_speed;
 pub use sampled::SampledBasis;
 pub use start::{START_VELOCITIES, radkhah2007_start};
 pub use termination::{HistoryPoint, Termination};

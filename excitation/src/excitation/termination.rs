@@ -7,11 +7,11 @@ use super::limits::WorstUse;
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "reason")]
 pub enum Termination {
-    /// The quadratic model promises no further gain, and too little of the budget is left for another try.
+    /// The last descent ended where the quadratic model promises no further gain, with too little of the budget left for another one.
     Converged,
     /// No step along the last direction improved on its start.
     Stalled,
-    /// All evaluations were used.
+    /// All evaluations were used, and the last descent would have gone on.
     EvaluationBudget,
     /// All iterations were used.
     IterationBudget,

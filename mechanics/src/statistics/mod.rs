@@ -20,7 +20,9 @@ mod sample;
 
 pub use bootstrap::{TwoLayerDraws, percentile_interval};
 pub use chi_squared::chi_squared_quantile;
-pub use difference::{MeanDifference, holm_adjusted, paired_difference, student_p_value, welch_difference};
+pub use difference::{
+    MeanDifference, crossed_difference, holm_adjusted, paired_difference, student_p_value, welch_difference,
+};
 pub use distribution::{normal_quantile, student_quantile};
 pub use f_distribution::f_tail;
 pub use interval::{Interval, share_interval, t_interval, wilson_interval};

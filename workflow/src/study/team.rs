@@ -73,7 +73,7 @@ impl Performance<'_> {
         if let Some(known) = self.measured.lock().map_err(Error::of)?.get(&arm) {
             return Ok(Some(Arc::clone(known)));
         }
-        let motions = self.setup.validation().random().iter().take(plan.validation.measured);
+        let motions = self.setup.validation().measured().iter();
         let plans: Vec<ExperimentPlan> = motions.map(|motion| self.setup.experiment(motion)).collect();
         let seed = plan.seed.child("measured motion", arm.1 as u64);
         let runs: Vec<BatchRun<'_>> =

@@ -67,6 +67,17 @@ pub trait Criterion: fmt::Debug + Send + Sync {
         false
     }
 
+    /// Whether more information never makes it worse.
+    fn is_monotone(&self) -> bool {
+        self.is_weighted()
+    }
+
+    /// The same for parameters in these units (b); `None` of a criterion that does not ask.
+    fn in_units(&self, units: &[f64]) -> Option<Box<dyn Criterion>> {
+        let _ = units;
+        None
+    }
+
     /// A smooth stand-in for the optimiser, nowhere below the criterion and the closer to it the larger `sharpness` is;
     /// `None` of a criterion that is smooth itself wherever M is positive definite.
     fn smoothed(&self, sharpness: f64) -> Option<Box<dyn Criterion>> {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::a_optimal::AOptimal;
 use super::condition::Condition;
+use super::condition_in_units::ConditionInUnits;
 use super::condition_plus_d::ConditionPlusD;
 use super::condition_plus_sigma::ConditionPlusSigma;
 use super::condition_scaled::ConditionScaled;
@@ -35,13 +36,16 @@ pub enum CriterionKind {
     IOptimal,
     /// Variance and bias of torque predicted on evaluation motions, where effects are expected that the model lacks.
     ModelError,
+    /// Condition number of Σ^−½ W_b with parameters in declared units.
+    ConditionInUnits,
 }
 
 // A new one is added at the end.
 crate::input::named! { CriterionKind {
     Condition: "condition", ConditionScaled: "condition-scaled", DOptimal: "d-optimal", AOptimal: "a-optimal",
     EOptimal: "e-optimal", ConditionPlusSigma: "condition-plus-sigma", ConditionPlusD: "condition-plus-d",
-    IOptimal: "i-optimal", ModelError: "model-error"
+    IOptimal: "i-optimal", ModelError: "model-error",
+    ConditionInUnits: "condition-in-units"
 } }
 
 impl CriterionKind {
@@ -57,6 +61,7 @@ impl CriterionKind {
             Self::ConditionPlusD => Box::new(ConditionPlusD::default()),
             Self::IOptimal => Box::new(IOptimal::default()),
             Self::ModelError => Box::new(ModelError::default()),
+            Self::ConditionInUnits => Box::new(ConditionInUnits::default()),
         }
     }
 

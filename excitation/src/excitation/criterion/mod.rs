@@ -14,6 +14,7 @@
 
 mod a_optimal;
 mod condition;
+mod condition_in_units;
 mod condition_plus_d;
 mod condition_plus_sigma;
 mod condition_scaled;
@@ -29,6 +30,7 @@ mod spectrum;
 
 pub use a_optimal::AOptimal;
 pub use condition::Condition;
+pub use condition_in_units::ConditionInUnits;
 pub use condition_plus_d::ConditionPlusD;
 pub use condition_plus_sigma::ConditionPlusSigma;
 pub use condition_scaled::ConditionScaled;

@@ -60,6 +60,7 @@ pub struct DesignLimits {
     ramp_s: Option<f64>,
     clearance_m: Option<f64>,
     margins: Margins,
+    rms_speed: Option<f64>,
     /// Of each joint; empty where there is none.
     position_margin: Vec<f64>,
 }
@@ -115,6 +116,7 @@ impl DesignLimits {
             ramp_s: None,
             clearance_m: None,
             margins: Margins::default(),
+            rms_speed: None,
             position_margin: Vec::new(),
         }
     }
@@ -184,6 +186,15 @@ impl DesignLimits {
         Ok(Self { margins, ..self })
     }
 
+    /// Keeps the [RMS speed](crate::excitation::rms_speed) of the motion at most at this part of the speed limits.
+    ///
+    /// # Errors
+    /// [`ExcitationError::NotPositive`] if it is no finite number above zero.
+    pub fn with_rms_speed(self, most: f64) -> Result<Self, ExcitationError> {
+        above_zero("RMS speed", most, "")?;
+        Ok(Self { rms_speed: Some(most), ..self })
+    }
+
     /// Keeps this distance from both position limits of each joint, rad (m), n: where a guard stops the arm.
     ///
     /// # Errors
@@ -219,6 +230,11 @@ impl DesignLimits {
     /// Which part of each limit may be used.
     pub const fn margins(&self) -> &Margins {
         &self.margins
+    }
+
+    /// Largest RMS speed, as a part of the speed limits; not held without it.
+    pub const fn rms_speed(&self) -> Option<f64> {
+        self.rms_speed
     }
 
     /// The efforts of a robot by the nominal parameters; `None` without them.

@@ -46,7 +46,7 @@ impl DesignObjective {
     /// On a base of motions in which every joint moves.
     pub(super) fn new(robot: &Robot, columns: Columns, criterion: Arc<dyn Criterion>) -> Result<Self, ExcitationError> {
         let base = reduce(robot, columns, Method::Structural, Seed::new(0))?;
-        Ok(Self {
+        let objective = Self {
             columns,
             base,
             criterion,
@@ -57,7 +57,8 @@ impl DesignObjective {
             expected: None,
             rows: None,
             reference_units: ReferenceUnits::default(),
-        })
+        };
+        Ok(objective.told_units())
     }
 
     /// Which parameters are to be estimated.
@@ -101,13 +102,24 @@ impl DesignObjective {
         self.expected.as_ref()
     }
 
-    /// Units in which a certificate adds errors of unlike parameters; no search depends on them.
+    /// Units in which errors of unlike parameters are added: by a certificate, and by a criterion that asks for units.
     pub const fn reference_units(&self) -> &ReferenceUnits {
         &self.reference_units
     }
 
     pub(super) fn set_reference_units(&mut self, units: ReferenceUnits) {
         self.reference_units = units;
+        *self = self.clone().told_units();
+    }
+
+    /// With the unit of each base parameter told to a criterion that asks.
+    fn told_units(mut self) -> Self {
+        let unit = |&column: &usize| self.reference_units.of(self.base.parameters[column].kind);
+        let units: Vec<f64> = self.base.kept.iter().map(unit).collect();
+        if let Some(criterion) = self.criterion.in_units(&units) {
+            self.criterion = criterion.into();
+        }
+        self
     }
 
     pub(super) fn set_evaluation(&mut self, joints: usize, motions: EvaluationMotions) -> Result<(), ExcitationError> {
@@ -196,7 +208,7 @@ impl DesignObjective {
         if let Some(prior) = &self.prior {
             check_prior(prior, &base)?;
         }
-        Ok(Self { base, ..self.clone() })
+        Ok(Self { base, ..self.clone() }.told_units())
     }
 }
 
