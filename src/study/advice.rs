@@ -47,9 +47,9 @@ pub enum Purpose {
     Torque,
     /// Torque of an arm without its effects, as a simulator has it, on fast random motions.
     Simulation,
-    /// The same on moves from point to point.
+    /// Measured torque on moves from point to point.
     PointToPoint,
-    /// The same at 30 % of the speed.
+    /// Measured torque on random motions at 30 % of their speed.
     Slow,
     /// The parameters themselves, in reference units.
     Parameters,
@@ -63,11 +63,18 @@ impl Purpose {
     /// The metric that decides.
     pub const fn metric(self) -> Metric {
         match self {
-            Self::Torque => Metric::Measured,
+            Self::Torque | Self::PointToPoint | Self::Slow => Metric::Measured,
             Self::Simulation => Metric::Prediction,
-            Self::PointToPoint => Metric::PointToPoint,
-            Self::Slow => Metric::Slow,
             Self::Parameters => Metric::Reference,
+        }
+    }
+
+    /// The kind of motions on which torque is measured.
+    const fn measured_on(self) -> &'static str {
+        match self {
+            Self::PointToPoint => "point-to-point",
+            Self::Slow => "slow",
+            Self::Torque | Self::Simulation | Self::Parameters => "random",
         }
     }
 }
@@ -79,6 +86,8 @@ pub struct AdvicePlan {
     pub robot: String,
     /// Its drives.
     pub drive: DriveKind,
+    /// What its model is for.
+    pub purpose: Purpose,
     /// Recorded periods of the experiment, of [`AdvicePlan::PERIOD_S`] each.
     pub periods: usize,
     /// Samples in a second.
@@ -99,8 +108,14 @@ impl AdvicePlan {
         [("no effects", 0.0), ("quarter level", 0.25), ("realistic level", 1.0), ("double level", 2.0)];
     /// Estimators that are compared.
     pub const ESTIMATORS: [&'static str; 2] = ["wls", "irls-huber"];
-    /// Criteria whose designs are compared.
-    pub const CRITERIA: [&'static str; 4] = ["d-optimal", "condition", "i-optimal", "a-optimal"];
+    /// Designs that are compared: their name, criterion, and largest RMS speed as a share of the speed limits.
+    pub const DESIGNS: [(&'static str, &'static str, f64); 5] = [
+        ("d-optimal", "d-optimal", 1.0),
+        ("d-optimal, slower", "d-optimal", 0.4),
+        ("condition", "condition", 1.0),
+        ("i-optimal", "i-optimal", 1.0),
+        ("a-optimal", "a-optimal", 1.0),
+    ];
 
     /// The text of `study.toml`.
     pub fn text(&self) -> String {
@@ -110,8 +125,11 @@ impl AdvicePlan {
         };
         let sets =
             Self::LEVELS.map(|(_, part)| format!("    {{ {} }},", realistic(part).collect::<Vec<_>>().join(", ")));
-        let designs = Self::CRITERIA.map(|criterion| {
-            format!("\n[[design]]\nname = \"{criterion}\"\nmaking = \"optimised\"\ncriterion = \"{criterion}\"\nstarts = 2\nevaluations = 200\n")
+        let designs = Self::DESIGNS.map(|(name, criterion, speed)| {
+            let slower = if speed < 1.0 { format!("rms_speed = {speed:?}\n") } else { String::new() };
+            format!(
+                "\n[[design]]\nname = \"{name}\"\nmaking = \"optimised\"\ncriterion = \"{criterion}\"\n{slower}starts = 2\nevaluations = 200\n"
+            )
         });
         format!(
             "# Which motion and which estimator, before the arm moves: arms around the nominal one, with effects of {drive} drives.\n\
@@ -123,11 +141,13 @@ impl AdvicePlan {
              [experiment]\nperiod_s = {period:?}\nharmonics = 5\nrate_hz = {rate:?}\nperiods = {periods}\ndiscarded_periods = {discarded}\n\n\
              [identification]\ncolumns = \"rigid+rotor+friction\"\nderivatives = \"fourier\"\nsamples_per_period = 250\n\
              estimators = [{estimators}]\n\n\
-             [validation]\ntrajectories = 10\nsamples = 100\nmeasured = 3\n\n\
-             # Run k of every design is on arm k.\n[truths]\ncount = {arms}\n\n\
+             [validation]\ntrajectories = 10\nsamples = 100\nmeasured = 3\nmeasured_on = \"{measured_on}\"\n\n\
+             # Run k of every design is on arm k, with the signs and phases that effects have there.\n\
+             [truths]\ncount = {arms}\ndraw_effects = true\n\n\
              [reference]\nmass_kg = 0.1\nfirst_moment_kg_m = 0.02\ninertia_kg_m2 = 0.01\nviscous_nm_s_rad = 0.1\ntorque_nm = 0.1\n\
              {designs}",
             drive = self.drive.name(),
+            measured_on = self.purpose.measured_on(),
             robot = toml::Value::from(self.robot.as_str()),
             seed = self.seed,
             arms = self.arms,
@@ -163,9 +183,17 @@ mod tests {
     #[test]
     fn a_plan_of_every_drive_is_one_and_its_levels_are_parts_of_the_realistic_one() {
         for drive in DriveKind::ALL {
-            let made = AdvicePlan { robot: "crs-a460".to_owned(), drive, periods: 6, rate_hz: 500.0, arms: 4, seed: 3 };
+            let made = AdvicePlan {
+                robot: "crs-a460".to_owned(),
+                drive,
+                purpose: Purpose::Slow,
+                periods: 6,
+                rate_hz: 500.0,
+                arms: 4,
+                seed: 3,
+            };
             let plan = made.plan().unwrap();
-            assert_eq!((plan.effect_sets.len(), plan.designs.len()), (4, 4));
+            assert_eq!((plan.effect_sets.len(), plan.designs.len()), (4, 5));
             assert_eq!(plan.effect_sets[0], Effects::none());
             for (set, (_, part)) in plan.effect_sets.iter().zip(AdvicePlan::LEVELS) {
                 for &kind in drive.effects() {

@@ -93,9 +93,9 @@ fn spread(spread: &Spread, unit: &str) -> String {
 const fn words(purpose: Purpose) -> (&'static str, &'static str) {
     match purpose {
         Purpose::Torque => ("RMS error of measured torque on fast motions", "N·m"),
-        Purpose::Simulation => ("RMS error of torque on fast motions", "N·m"),
-        Purpose::PointToPoint => ("RMS error of torque from point to point", "N·m"),
-        Purpose::Slow => ("RMS error of torque on slow motions", "N·m"),
+        Purpose::Simulation => ("RMS error of torque without effects, on fast motions", "N·m"),
+        Purpose::PointToPoint => ("RMS error of measured torque from point to point", "N·m"),
+        Purpose::Slow => ("RMS error of measured torque on slow motions", "N·m"),
         Purpose::Parameters => ("RMS error of the parameters", "reference units"),
     }
 }

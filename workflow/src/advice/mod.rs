@@ -53,6 +53,7 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
     let made = AdvicePlan {
         robot: named.clone(),
         drive: settings.drive,
+        purpose: settings.purpose,
         periods: settings.periods(),
         rate_hz: servo_hz / (servo_hz / MOST_RATE_HZ).ceil(),
         arms: settings.arms,
