@@ -123,7 +123,7 @@ fn spread(samples: &Samples, std: f64, band_hz: f64) -> Matrix3<f64> {
 mod tests {
     use super::*;
     use crate::base::{Method, reduce};
-    use crate::chains::{random_robot, random_state};
+    use crate::chains::{planar_2r, random_state};
     use crate::model::Columns;
     use crate::seed::Seed;
 
@@ -148,7 +148,7 @@ mod tests {
     fn identity_slopes_of_polynomials_are_exact_differences_of_any_length() {
         // Without friction W is linear in the acceleration and of second degree in the speed.
         let mut rng = Seed::new(6).stream("slope", 0);
-        let (robot, _) = random_robot(&mut rng, 2);
+        let robot = planar_2r();
         let base = reduce(&robot, Columns::RIGID, Method::Structural, Seed::new(0)).unwrap();
         let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
         let mut states = States::new(2);

@@ -202,7 +202,7 @@ mod tests {
         let mut scene = Scene::new(&chains::crs_a460());
         let mut at =
             |dip: &Dip, steps: f64| distance(&mut scene, &basis, &x, dip.pair, dip.phase + steps * TAU / 200.0);
-        assert!(close.len() > 5, "{}", close.len());
+        assert!(close.len() > 2, "{}", close.len());
         for dip in &close {
             assert!((at(dip, 0.0) - dip.distance).abs() < 1e-12);
             assert!([-0.02, 0.02].into_iter().all(|steps| at(dip, steps) >= dip.distance), "{dip:?}");
