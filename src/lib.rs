@@ -72,8 +72,8 @@ pub use armid_measurement::{experiment, signal};
 use armid_mechanics::plain;
 #[doc(inline)]
 pub use armid_mechanics::{
-    base, chains, codegen, dynamics, input, lanes, linalg, model, observer, optimiser, provenance, regressor, remedy,
-    seed, spatial, statistics, trajectory,
+    base, chains, codegen, dynamics, input, lanes, linalg, model, number, observer, optimiser, provenance, regressor,
+    remedy, seed, spatial, statistics, trajectory,
 };
 
 pub mod study;

@@ -93,7 +93,7 @@ fn assert_none(faults: &[String]) {
 
 #[test]
 fn modules_of_the_core_stand_in_the_order_of_the_method() {
-    let expected = "seed provenance plain input observer remedy lanes linalg optimiser statistics spatial model chains trajectory dynamics regressor base codegen \
+    let expected = "seed provenance plain number input observer remedy lanes linalg optimiser statistics spatial model chains trajectory dynamics regressor base codegen \
                     excitation experiment signal estimation diagnosis calibration study conformance";
     assert_eq!(module_order().join(" "), expected);
 }

@@ -57,7 +57,7 @@ fn the_keys_of_the_contract_are_there_for_every_criterion() {
         assert!(found["certificate_samples"].as_u64().unwrap() >= 5000);
         assert!(found["termination"].is_string());
         let figures: Vec<&str> = found["figures"].as_array().unwrap().iter().map(|f| f.as_str().unwrap()).collect();
-        assert_eq!(figures, ["T-convergence.svg", "T-limits.svg"].map(|name| path(folder.path(), name)));
+        assert_eq!(figures, ["T-convergence.svg", "T-limits.svg", "T-poses.svg"].map(|name| path(folder.path(), name)));
         assert!(figures.iter().all(|figure| Path::new(figure).is_file()));
         // Only rigid columns were asked for: both sets of figures are the same.
         assert_eq!(found["condition"], found["condition_all"]);

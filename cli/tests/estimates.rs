@@ -318,7 +318,7 @@ fn select_reports_the_terms_that_the_simulated_arm_has() {
     // What is written is an estimate that other commands read.
     armid(["validate", &out, &recording]).success();
     let text = stdout(&armid(["identify", &recording, choice]).success());
-    assert!(text.contains("terms that the data decide") && text.contains("not supported"), "{text}");
+    assert!(text.contains("terms that the log supports") && text.contains("not supported"), "{text}");
     // Friction of the load is tested beside them and is no column; averaged periods say nothing of a warming gear.
     let choice = "--select=rigid+rotor+friction+load+warming";
     let estimate = json(&armid(["identify", &recording, choice, "--json"]).success());

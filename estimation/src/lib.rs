@@ -5,8 +5,8 @@
 pub use armid_measurement::{experiment, signal};
 use armid_mechanics::plain;
 pub use armid_mechanics::{
-    base, chains, dynamics, input, linalg, model, observer, provenance, regressor, remedy, seed, spatial, statistics,
-    trajectory,
+    base, chains, dynamics, input, linalg, model, number, observer, provenance, regressor, remedy, seed, spatial,
+    statistics, trajectory,
 };
 
 pub mod estimation;

@@ -171,8 +171,10 @@ fn readme(loaded: &LoadedRobot, urdf: &str) -> String {
          | `robot.toml` | what the URDF has no place for: each line `# key = ?` is a gap |\n\
          | `experiment.toml` | how often and how fast the motion is sampled |\n\
          | `log.toml` | what the columns of the log are |\n\n\
+         `{advise}` compares motions and estimators before the arm moves.\n\n\
          Afterwards:\n\n\
          ```sh\n{then}\n```\n",
+        advise = line(Task::Advise, "robot.toml", &[(Setting::Output, "advice")]),
         init = Remedy::task(Task::Init, ""),
         first = first.join("\n"),
         then = then.join("\n"),

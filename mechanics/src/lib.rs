@@ -12,6 +12,7 @@ pub mod seed;
 pub mod provenance;
 #[doc(hidden)]
 pub mod plain;
+pub mod number;
 pub mod input;
 pub mod observer;
 pub mod remedy;

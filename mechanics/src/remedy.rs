@@ -53,6 +53,7 @@ names! {
     Task {
         Robot = "robot",
         Init = "init",
+        Advise = "advise",
         Reduce = "reduce",
         Design = "design",
         Run = "run",

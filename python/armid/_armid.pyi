@@ -64,6 +64,7 @@ class Log:
         qd: Floats | None,
         link_q: Floats | None,
         joints: Sequence[str] | None,
+        servo: tuple[Sequence[float], Sequence[float], float] | None,
     ) -> Log: ...
     @property
     def robot(self) -> Robot | None: ...

@@ -6,16 +6,25 @@ import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Union
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _armid
-from ._arrays import Floats, rows, vector
+from ._arrays import Floats, real, rows, vector
 from ._errors import ArmidError
 
 if TYPE_CHECKING:
     from ._robot import Robot
 
 Path = Union[str, "os.PathLike[str]"]
+
+
+def _gains(values: ArrayLike, name: str, dof: int) -> list[float]:
+    """One value for each joint, of one for all or one for each."""
+    array = real(values, name)
+    if array.shape not in ((), (dof,)):
+        raise ArmidError(f"{name} has the shape {array.shape}, expected one number or {dof}, one for each joint")
+    return [float(value) for value in np.broadcast_to(array, (dof,))]
 
 
 class Log:
@@ -69,6 +78,10 @@ class Log:
         tau: ArrayLike | None = None,
         *,
         current: ArrayLike | None = None,
+        q_cmd: ArrayLike | None = None,
+        kp: ArrayLike | None = None,
+        kd: ArrayLike | None = None,
+        delay: float = 0.0,
         t: ArrayLike | None = None,
         rate: float | None = None,
         qd: ArrayLike | None = None,
@@ -82,8 +95,13 @@ class Log:
         ----------
         q : array (N, n)
             Joint positions, rad (m for a prismatic joint).
-        tau, current : array (N, n)
-            Joint torques, N·m (N), or motor currents, A: exactly one of them.
+        tau, current, q_cmd : array (N, n)
+            Joint torques, N·m (N), motor currents, A, or commanded positions, rad (m): exactly one of them.
+        kp, kd : float or array (n,)
+            Gains of the servos that follow `q_cmd`, N·m/rad (N/m) and N·m·s/rad (N·s/m). They are needed with it, and make torques of it:
+            ``kp (q_cmd(t - delay) - q) - kd qd``. A servo at its limit has another torque: make its rows NaN.
+        delay : float
+            Time after which a command acts, s. A servo that holds each command until the next acts half a row late on average.
         t : array (N,)
             Time of each row, s; or `rate`.
         rate : float
@@ -102,27 +120,36 @@ class Log:
         ArmidError
             Where the arrays do not belong together, times do not increase, or fewer than two rows are complete.
         """
-        if (tau is None) == (current is None):
-            raise ArmidError("expected exactly one of tau= and current=")
-        kind, efforts = ("torque", tau) if tau is not None else ("current", current)
-        assert efforts is not None
-        given = {"q": q, "tau" if kind == "torque" else "current": efforts}
+        found = {key: value for key, value in {"tau": tau, "current": current, "q_cmd": q_cmd}.items() if value is not None}
+        if len(found) != 1:
+            raise ArmidError(f"found {' and '.join(found) or 'no efforts'}, expected exactly one of tau=, current= and q_cmd=")
+        ((key, efforts),) = found.items()
+        if key != "q_cmd" and (kp is not None or kd is not None or delay != 0.0):
+            raise ArmidError(f"found {key}= with gains of a servo, expected q_cmd= with kp=, kd= and delay=")
+        if key == "q_cmd" and (kp is None or kd is None):
+            raise ArmidError("found q_cmd= without gains, expected kp= and kd= of its servo, kd=0 where it has no damping")
+        given = {"q": q, key: efforts}
         given.update({key: value for key, value in {"qd": qd, "q_link": q_link}.items() if value is not None})
         arrays, single = rows(**given)
         if single:
             raise ArmidError(f"q has the shape {arrays[0].shape[1:]}, expected (N, n)")
         named = dict(zip(given, arrays))
+        of_servo = None
+        if kp is not None and kd is not None:
+            dof = arrays[0].shape[1]
+            of_servo = (_gains(kp, "kp", dof), _gains(kd, "kd", dof), float(delay))
         return cls(
             _armid.Log.from_arrays(
                 name,
                 arrays[0],
                 arrays[1],
-                kind,
+                "current" if key == "current" else "torque",
                 None if t is None else vector(t, "t"),
                 None if rate is None else float(rate),
                 named.get("qd"),
                 named.get("q_link"),
                 None if joints is None else list(joints),
+                of_servo,
             )
         )
 

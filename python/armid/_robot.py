@@ -401,7 +401,7 @@ class Robot:
         columns : str
             Which parameters are estimated.
         select : bool or str
-            Estimate with the torque terms that the data decide, among all or among these columns.
+            Estimate with the torque terms that the log supports, among all or among these columns.
         period : float, "auto" or None
             Period of the motion, s; found in the log, or none.
         start, until : float, optional

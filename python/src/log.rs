@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use armid::model::EffortInterface;
 use armid::model::format::ChainEnds;
-use armid_io::log::{ArrayTime, LogArrays, find};
+use armid_io::log::{ArrayTime, LogArrays, Servo, find};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -91,6 +91,7 @@ impl Log {
         qd: Option<Rows<'_>>,
         link_q: Option<Rows<'_>>,
         joints: Option<Vec<String>>,
+        servo: Option<(Vec<f64>, Vec<f64>, f64)>,
     ) -> PyResult<Self> {
         let dof = q.shape()[1];
         let values = |rows: &Rows<'_>, what: &str| any(rows, what, dof).map(<[f64]>::to_vec);
@@ -125,6 +126,7 @@ impl Log {
             link_q: optional(&link_q, "q_link")?,
             effort: values(&efforts, "the efforts")?,
             effort_unit: effort_name.map(effort).transpose()?,
+            servo: servo.map(|(kp, kd, delay_s)| Servo { kp, kd, delay_s }),
         };
         let log = py.detach(|| armid_io::Log::from_arrays(arrays)).map_err(exception)?;
         Ok(Self { rate_hz, ..Self::of(log) })

@@ -138,6 +138,7 @@ def test_no_shape_and_no_value_gives_anything_but_a_result_or_our_error(kinds, v
         lambda: robot.mass_matrix(a, parameters=d),
         lambda: armid.Log.from_arrays(a, b, t=c),
         lambda: armid.Log.from_arrays(a, b, rate=value, qd=c, q_link=d),
+        lambda: armid.Log.from_arrays(a, q_cmd=b, kp=c, kd=d, delay=value, rate=100.0),
     ]
     for call in calls:
         try:

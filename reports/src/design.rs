@@ -1,10 +1,13 @@
 //! What a design looks like: how it was found, and what it uses of its limits.
 
 use armid::excitation::{CriterionKind, Design, HistoryPoint};
+use armid::model::Robot;
 use armid::study::LimitExample;
+use armid::trajectory::PeriodicTrajectory;
 
 use crate::{
-    Axis, ConvergenceFigure, ConvergencePanel, Curve, GroupStyle, Heading, Limit, Line, TimePanel, TimeSeriesFigure,
+    Axis, ConvergenceFigure, ConvergencePanel, Curve, GroupStyle, Heading, Limit, Line, Pose, PosesFigure, TimePanel,
+    TimeSeriesFigure,
 };
 
 /// How the designs of several starts converged, beside the best of random draws where there is one; `None` where no start has
@@ -115,4 +118,53 @@ mod tests {
         assert!(design_convergence("arm", &[without], None).is_none());
         assert!(design_convergence("arm", &[], Some(&drawn)).is_none());
     }
+}
+
+/// Samples of a period in which poses are looked for.
+const PATH: usize = 400;
+/// Poses at equal times.
+const STRIP: usize = 8;
+
+/// How an arm moves over a period: poses at equal times, then where its end is highest, lowest, furthest out and fastest. The end is
+/// the first point that the robot file names, or the origin of the last link's frame.
+pub fn poses_figure(robot: &Robot, trajectory: &PeriodicTrajectory) -> PosesFigure {
+    let states = trajectory.sample(PATH);
+    let points = |k: usize| -> Vec<[f64; 3]> {
+        let poses = robot.poses(states.q(k));
+        let tip = robot.points().first().map(|point| point.place(&poses));
+        let origins = poses.iter().map(|pose| pose.translation).chain(tip);
+        std::iter::once([0.0; 3]).chain(origins.map(Into::into)).collect()
+    };
+    let end = |k: usize| points(k).last().copied().unwrap_or_default();
+    let path: Vec<[f64; 3]> = (0..=PATH).map(|k| end(k % PATH)).collect();
+    let step_s = trajectory.period_s() / PATH as f64;
+    let length = |v: [f64; 3]| libm::sqrt(v.iter().map(|x| x * x).sum());
+    let out = |k: usize| length([path[k][0], path[k][1], 0.0]);
+    let speed = |k: usize| length([0, 1, 2].map(|axis| path[k + 1][axis] - path[k][axis])) / step_s;
+    let most = |of: &dyn Fn(usize) -> f64| (0..PATH).max_by(|&a, &b| of(a).total_cmp(&of(b))).unwrap_or(0);
+    let pose = |k: usize, why: String| Pose { title: format!("{:.2} s{why}", k as f64 * step_s), points: points(k) };
+    let [highest, lowest, furthest, fastest] =
+        [most(&|k| path[k][2]), most(&|k| -path[k][2]), most(&out), most(&speed)];
+    let mut poses: Vec<Pose> = (0..STRIP).map(|k| pose(k * PATH / STRIP, String::new())).collect();
+    poses.extend([
+        pose(highest, format!(": highest, {:.2} m", path[highest][2])),
+        pose(lowest, format!(": lowest, {:.2} m", path[lowest][2])),
+        pose(furthest, format!(": furthest out, {:.2} m", out(furthest))),
+        pose(fastest, format!(": fastest, {:.2} m/s", speed(fastest))),
+    ]);
+    let heading = Heading::new(
+        "poses",
+        format!(
+            "{}: the end of the arm comes down to {:.2} m and reaches {:.2} m out",
+            robot.name(),
+            path[lowest][2],
+            out(furthest)
+        ),
+    )
+    .subtitle(format!(
+        "one period of {} s, at full speed; heights above the origin of the base frame",
+        trajectory.period_s()
+    ))
+    .caption("Lines join the origins of the joints' frames. All poses are seen from one side, at one scale.");
+    PosesFigure { heading, poses, path }
 }

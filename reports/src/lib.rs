@@ -54,7 +54,7 @@ mod estimate;
 mod study;
 
 pub use comparison::{ComparisonInput, Prediction, comparison_document};
-pub use design::{design_convergence, limits_figure};
+pub use design::{design_convergence, limits_figure, poses_figure};
 pub use document::{Block, Cell, Column, Document, RenderedFigure, Section, Table};
 pub use drawing::axis::{Axis, Scale};
 pub use drawing::rows::{Band, Level};

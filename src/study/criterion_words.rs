@@ -20,3 +20,21 @@ pub fn capitalised(text: &str) -> String {
     let mut rest = text.chars();
     rest.next().into_iter().flat_map(char::to_uppercase).chain(rest).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_in_words() {
+        for (name, words) in [
+            ("condition", "condition number"),
+            ("condition-scaled", "column-normalised condition number"),
+            ("d-optimal", "D-optimal"),
+            ("random", "random"),
+        ] {
+            assert_eq!(criterion_in_words(name), words);
+        }
+        assert_eq!(criterion_pair_in_words("condition", "d-optimal"), "Condition number against D-optimal");
+    }
+}

@@ -59,10 +59,8 @@ impl StudyDesign {
     pub fn own_value(&self) -> f64 {
         let criterion = self.criterion.as_deref().unwrap_or(CriterionKind::Condition.name());
         let stated = self.values().iter().find(|(value, _)| *value == criterion).map(|(_, value)| *value);
-        // What comes from outside is reported as it is minimised.
-        let is_larger_better = CriterionKind::parse(criterion).is_some_and(CriterionKind::is_larger_better);
-        let found = || self.history.last().map(|last| if is_larger_better { -last.value } else { last.value });
-        stated.or_else(found).unwrap_or(f64::INFINITY)
+        // Every criterion of which more is better is stated; all others are reported as they are minimised.
+        stated.or_else(|| self.history.last().map(|last| last.value)).unwrap_or(f64::INFINITY)
     }
 
     fn of(family: usize, start: usize, design: Design) -> Self {

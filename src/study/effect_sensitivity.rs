@@ -234,3 +234,46 @@ impl StudySetup {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::run_id::RunId;
+    use crate::study::small_results::{ESTIMATOR, erring, score, setup};
+    use crate::study::{Outcome, OutcomeTable, Score, ScoredEstimate};
+
+    #[test]
+    fn analytic_pairs_are_logarithms_of_error_with_over_error_without() {
+        let setup = setup();
+        let table_one = setup.plan.designs.len() - 1;
+        let design = setup.design(table_one, 0).unwrap();
+        let designs = [StudyDesign { family: 0, ..design.clone() }, design];
+        let place = setup.plan.identification.estimators.iter().position(|name| name == ESTIMATOR).unwrap();
+        let outcome = |RunId { design, condition, run }: RunId, error: Option<f64>| {
+            let estimate = |error: f64| ScoredEstimate {
+                score: Some(Score { prediction_rmse_of_rating: error, ..erring(f64::NAN) }),
+                ..ScoredEstimate::failed(ESTIMATOR, crate::study::RunError::estimator(&""))
+            };
+            let estimates = error.map_or_else(Vec::new, |error| vec![estimate(error); place + 1]);
+            Outcome { design, condition, truth: 0, run, failure: None, estimates }
+        };
+        // Of the second design 2, 6 without and 8, none with: one pair. The first has 3 and 1.
+        let errors = [[[Some(3.0), None], [Some(1.0), None]], [[Some(2.0), Some(6.0)], [Some(8.0), None]]];
+        let mut outcomes = Vec::new();
+        for (design, of_design) in errors.iter().enumerate() {
+            for (condition, runs) in of_design.iter().enumerate() {
+                for (run, &error) in runs.iter().enumerate() {
+                    outcomes.push(outcome(RunId { design, condition, run: run as u64 }, error));
+                }
+            }
+        }
+        let runs = OutcomeTable { outcomes: &outcomes, truths: &[] };
+        for (family, index, expected) in [(0, 0, libm::log(1.0 / 3.0)), (table_one, 1, libm::log(4.0))] {
+            let score = score(&setup.plan.designs[family].name, Some(1.0));
+            let pairs = setup.pairs(&designs, &runs, 1, &score).unwrap();
+            assert_eq!(pairs, BTreeMap::from([(index, vec![expected])]));
+        }
+        let unknown = FamilyScore { estimator: "another".to_owned(), ..score("d-optimal", None) };
+        assert!(setup.pairs(&designs, &runs, 1, &unknown).unwrap().is_empty());
+    }
+}

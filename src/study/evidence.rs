@@ -219,7 +219,8 @@ pub(super) fn logarithms(mut values: RunValues) -> RunValues {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::{Outcome, OutcomeTable, RunError, RunErrorKind, Score, ScoredEstimate};
+    use crate::study::small_results::erring;
+    use crate::study::{Outcome, OutcomeTable, RunError, RunErrorKind, ScoredEstimate};
     use rand_distr::{Distribution, StandardNormal};
 
     /// Two families of 6 designs × 20 runs, b = 3, white errors of standard deviation 1 and 2, honest intervals.
@@ -242,14 +243,8 @@ mod tests {
         for design in 0..12 {
             for run in 0..20 {
                 let sigma = bounds[design / 6][0];
-                let error: Vec<f64> = (0..3)
-                    .map(|_| {
-                        sigma * {
-                            let z: f64 = StandardNormal.sample(&mut rng);
-                            z
-                        }
-                    })
-                    .collect();
+                let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+                let error: Vec<f64> = (0..3).map(|_| sigma * normal()).collect();
                 let rmse = crate::statistics::root_mean_square(&error);
                 outcomes.push(Outcome {
                     design,
@@ -264,17 +259,7 @@ mod tests {
                         std: vec![sigma; 3],
                         half_width: vec![1.96 * sigma; 3],
                         residual_rms: vec![sigma],
-                        score: Some(Score {
-                            prediction_rmse_nm: rmse,
-                            prediction_rmse_of_rating: rmse,
-                            joint_rmse_nm: vec![rmse],
-                            reference_rmse: rmse,
-                            si_rmse: rmse,
-                            measured_rmse_nm: None,
-                            slow_rmse_nm: rmse,
-                            point_to_point_rmse_nm: rmse,
-                            static_rmse_nm: None,
-                        }),
+                        score: Some(erring(rmse)),
                     }],
                 });
             }
@@ -310,6 +295,8 @@ mod tests {
         // ½ ln det of σ² 1 is 3 ln σ: the difference of the two is −3 ln 2, to a sampling error of about 0.16.
         let volume = of(Metric::LogVolume);
         assert!((volume.difference + 3.0 * 2.0_f64.ln()).abs() < 0.5, "{volume:?}");
+        let interval = volume.interval.unwrap();
+        assert!(interval.contains(volume.difference) && interval.high - interval.low < 1.5, "{volume:?}");
     }
 
     #[test]
@@ -339,17 +326,6 @@ mod tests {
             [0, 1].map(|family| DesignRow { family, start: SharedStart::Fixed, bound_std: &bound, values: &[] });
         let outcome = |design: usize, truth: usize| {
             let error = if (design == 0) == (truth < 4) { 1.0 } else { 2.0 };
-            let score = Score {
-                prediction_rmse_nm: error,
-                prediction_rmse_of_rating: error,
-                joint_rmse_nm: vec![error],
-                reference_rmse: error,
-                si_rmse: error,
-                measured_rmse_nm: None,
-                slow_rmse_nm: error,
-                point_to_point_rmse_nm: error,
-                static_rmse_nm: Some(error),
-            };
             let estimate = ScoredEstimate {
                 estimator: "ols".to_owned(),
                 failure: None,
@@ -357,7 +333,7 @@ mod tests {
                 std: vec![1.0],
                 half_width: vec![1.5],
                 residual_rms: vec![1.0],
-                score: Some(score),
+                score: Some(erring(error)),
             };
             Outcome { design, condition: 0, truth, run: truth as u64, failure: None, estimates: vec![estimate] }
         };

@@ -183,10 +183,9 @@ fn together(estimates: &[&Estimate]) -> Result<ScoredEstimate, &'static str> {
 mod tests {
     use super::*;
     use crate::estimation::{BaseEstimate, IntervalBasis, Termination};
-    use crate::excitation::radkhah2007_start;
+    use crate::excitation::{HistoryPoint, radkhah2007_start};
     use crate::seed::Seed;
-    use crate::study::truth::Truth;
-    use crate::study::truth_files::truth_text;
+    use crate::study::small_results::setup;
     use crate::trajectory::PeriodicTrajectory;
     use rand::RngExt;
 
@@ -247,16 +246,35 @@ mod tests {
 
     #[test]
     fn identity_the_same_experiment_twice_has_the_bound_of_one_over_the_root_of_two() {
-        let mut plan = StudyPlan::from_toml(include_str!("../../experiments/01-criteria/study.toml")).unwrap();
-        (plan.validation.trajectories, plan.validation.samples) = (1, 10);
-        let robot = crate::chains::crs_a460();
-        let truth = Truth::from_toml(truth_text("crs-a460").unwrap(), &robot).unwrap();
-        let start = radkhah2007_start(&robot, 10.0, 5, Seed::new(7), 0).unwrap();
+        let setup = setup();
+        let start = radkhah2007_start(&setup.robot, 10.0, 5, Seed::new(7), 0).unwrap();
         let exact = PeriodicTrajectory::from(start).sample(200);
-        let setup = StudySetup::new(plan, robot, crate::chains::crs_a460_nominal(), &truth).unwrap();
         let twice = setup.bound_of_sequence(&[exact.clone(), exact.clone()]);
         for (one, twice) in setup.bound(&exact).into_iter().zip(twice) {
             assert!((one / twice / 2.0_f64.sqrt() - 1.0).abs() < 1e-9, "{one} {twice}");
         }
+    }
+
+    #[test]
+    fn identity_information_of_two_experiments_is_the_sum() {
+        let setup = setup();
+        let table_one = setup.plan.designs.len() - 1;
+        let design = setup.design(table_one, 0).unwrap();
+        let one = setup.collected(std::slice::from_ref(&design)).unwrap().unwrap();
+        let two = setup.collected(&[design.clone(), design.clone()]).unwrap().unwrap();
+        assert!((two - &one * 2.0).norm() < 1e-12 * one.norm());
+        assert_eq!(setup.collected(&[]).unwrap(), None);
+        // A fixed trajectory has the condition number as its own value, whatever else it is.
+        assert_eq!(design.own_value(), design.certificate.condition_all);
+        let of = |criterion: &str, value: f64| {
+            let history = vec![HistoryPoint { evaluations: 1, value, current: value, excess: 0.0 }];
+            StudyDesign { criterion: Some(criterion.to_owned()), history, ..design.clone() }.own_value()
+        };
+        // What the certificate does not state is the optimiser's, and has to be better the smaller it is.
+        assert_eq!(of("d-optimal", 7.0), -design.certificate.log_det_information_all);
+        assert_eq!((of("i-optimal", 7.0), of("a criterion from outside", 7.0)), (7.0, 7.0));
+        let stated = design.values();
+        let is_stated = |kind: &CriterionKind| stated.iter().any(|(name, _)| *name == kind.name());
+        assert!(CriterionKind::ALL.iter().filter(|kind| kind.is_larger_better()).all(is_stated));
     }
 }

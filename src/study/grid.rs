@@ -74,7 +74,11 @@ mod tests {
             ("making = \"repeated\"\nafter = \"condition 1\"", "making = \"repeated\"", "after is \"\""),
             ("making = \"optimised\"", "making = \"optimised\"\nrms_speed = 2.0", "design.rms_speed is 2, expected"),
             ("[validation]", "[validation]\nmeasured_on = \"static\"", "validation.measured_on is \"static\""),
-            ("[experiment]", "[truths]\ncount = 2\ndraw_effects = true\n[effects]\nseed = 3\n[experiment]", "effects.seed is 3"),
+            (
+                "[experiment]",
+                "[truths]\ncount = 2\ndraw_effects = true\n[effects]\nseed = 3\n[experiment]",
+                "effects.seed is 3",
+            ),
         ] {
             assert!(SEQUENTIAL.contains(from), "{from}");
             let fault = StudyPlan::from_toml(&SEQUENTIAL.replacen(from, to, 1)).unwrap_err().to_string();

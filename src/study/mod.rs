@@ -5,6 +5,7 @@
 //! ```
 //! This module comes after every module that identifies, so that none of them can name the [`Truth`].
 
+mod advice;
 mod agreement;
 mod answer;
 mod effect_sensitivity;
@@ -27,6 +28,7 @@ mod criterion_words;
 mod grid;
 mod measured_motion;
 mod metric;
+mod motion_kind;
 mod outcome;
 mod own_methods;
 mod performed;
@@ -66,6 +68,7 @@ mod variance_reduction;
 mod volume;
 
 pub use crate::model::ReferenceUnits;
+pub use advice::{AdvicePlan, DriveKind, Purpose};
 pub use agreement::Agreement;
 pub use bound::{cramer_rao_std, torque_covariance};
 pub use comparison::Comparison;
@@ -84,6 +87,7 @@ pub use family_score::{FamilyScore, ParameterScore};
 pub use grid::GridPlan;
 pub use measured_motion::MeasuredMotions;
 pub use metric::Metric;
+pub use motion_kind::MotionKind;
 pub use outcome::{Outcome, ScoredEstimate};
 pub use own_methods::OwnMethods;
 pub use performed::Performed;
@@ -110,6 +114,6 @@ pub use study_plans::StudyPlans;
 pub use truth::Truth;
 pub use truth_comparison::TruthComparison;
 pub use truth_files::truth_text;
-pub use validation::{MotionKind, ValidationError, ValidationMotions};
+pub use validation::{ValidationError, ValidationMotions};
 pub use validity::feasible_ranges;
 pub use variance_reduction::VarianceReduction;

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use super::family_plan::{DesignMethod, FamilyPlan};
 use super::grid::GridPlan;
+use super::motion_kind::MotionKind;
 use super::own_methods::OwnMethods;
 use super::plan_error::{StudyPlanError, family_name, name, number};
 use super::random_truth::RandomTruths;
-use super::validation::MotionKind;
 use super::variance_reduction::VarianceReduction;
 use crate::estimation::Estimator;
 use crate::experiment::{Effects, ExpectedEffectError};
@@ -357,4 +357,27 @@ impl StudyPlan {
 /// A study that names no engine.
 fn default_engines() -> Vec<String> {
     vec!["analytic".to_owned()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_study_of_the_first_starts_knows_how_many_there_were() {
+        let plan = StudyPlan::from_toml(include_str!("../../experiments/01-criteria/study.toml")).unwrap();
+        assert_eq!(plan.first_starts(8), plan);
+        let first = plan.first_starts(3).first_starts(2);
+        let starts: Vec<_> = first.designs.iter().map(|family| (family.starts, family.of_starts)).collect();
+        assert_eq!(starts, [(2, Some(8)), (2, Some(8)), (2, Some(8)), (2, Some(8)), (1, None)]);
+    }
+
+    #[test]
+    fn engines_that_there_are_not_are_named() {
+        let mut plan = StudyPlan::from_toml(include_str!("../../experiments/01-criteria/study.toml")).unwrap();
+        plan.engines = ["analytic", "another"].map(str::to_owned).to_vec();
+        assert_eq!(plan.check_engines(&["another", "analytic", "third"]), Ok(()));
+        let fault = plan.check_engines(&["analytic", "third"]).unwrap_err().to_string();
+        assert!(["another", "analytic", "third"].iter().all(|name| fault.contains(name)), "{fault}");
+    }
 }

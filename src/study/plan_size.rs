@@ -65,7 +65,7 @@ mod tests {
             ("period_s", "1e9", "experiment.period_s is 1000000000 s, expected at most 100000 s"),
             ("rate_hz", "1e9", "experiment.rate_hz is 1000000000 Hz, expected at most 100000 Hz"),
             ("harmonics", "100_000", "experiment.harmonics is 100000, expected at most 200"),
-            ("periods", "1_000_000_000_000", "experiment.periods by samples of one is"),
+            ("periods", "1_000_000", "experiment.periods by samples of one is"),
             ("samples_per_period", "1_000_000_000_000", "identification.samples_per_period is"),
             ("trajectories", "1_000_000_000", "validation.samples by trajectories is"),
             ("samples", "1_000_000_000", "validation.samples by trajectories is"),

@@ -148,3 +148,21 @@ impl StudySetup {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::study::small_results::{ESTIMATOR, scenario, score, study};
+
+    #[test]
+    fn the_last_estimator_that_gave_an_estimate_is_shown() {
+        let shown = |prediction| {
+            let mut result = study(vec![scenario("exact", vec![score("condition", prediction)], Vec::new())], &[]);
+            result.plan.identification.estimators = vec!["ols".to_owned(), ESTIMATOR.to_owned(), "ekf".to_owned()];
+            result.drawn_truths = vec![vec![1.0, 2.0], vec![3.0, 4.0]];
+            assert_eq!((result.truth(1, 1), result.truth(2, 0)), (2.0, 3.0));
+            result.shown_estimator().to_owned()
+        };
+        // Of none that gave one, the last.
+        assert_eq!((shown(Some(1.0)), shown(None)), (ESTIMATOR.to_owned(), "ekf".to_owned()));
+    }
+}

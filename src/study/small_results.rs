@@ -1,4 +1,4 @@
-//! Results of studies that tests write down: scores and comparisons alone.
+//! Studies for tests: results that they write down, scores and comparisons alone, and a setup with few samples.
 
 use super::comparison::Comparison;
 use super::condition::{Condition, ConditionResult};
@@ -7,6 +7,10 @@ use super::family_score::FamilyScore;
 use super::metric::Metric;
 use super::plan::StudyPlan;
 use super::result::StudyResult;
+use super::scorer::Score;
+use super::setup::StudySetup;
+use super::truth::Truth;
+use super::truth_files::truth_text;
 use crate::experiment::Effects;
 use crate::provenance::Provenance;
 use crate::statistics::Interval;
@@ -32,6 +36,21 @@ pub(super) fn score(family: &str, prediction: Option<f64>) -> FamilyScore {
         reference_spread: None,
         parameters: Vec::new(),
         coverage: 0.95,
+    }
+}
+
+/// An estimate that errs alike by every measure that it has.
+pub(super) const fn erring(error: f64) -> Score {
+    Score {
+        prediction_rmse_nm: error,
+        prediction_rmse_of_rating: error,
+        joint_rmse_nm: Vec::new(),
+        reference_rmse: error,
+        si_rmse: error,
+        measured_rmse_nm: None,
+        slow_rmse_nm: error,
+        point_to_point_rmse_nm: error,
+        static_rmse_nm: Some(error),
     }
 }
 
@@ -90,4 +109,13 @@ pub(super) fn study(conditions: Vec<ConditionResult>, compare_with: &[&str]) -> 
         effect_sensitivity: None,
         radkhah2007: None,
     }
+}
+
+/// The study of `experiments/01-criteria` with one short validation motion.
+pub(super) fn setup() -> StudySetup {
+    let mut plan = StudyPlan::from_toml(include_str!("../../experiments/01-criteria/study.toml")).unwrap();
+    (plan.validation.trajectories, plan.validation.samples) = (1, 10);
+    let (robot, nominal) = (crate::chains::crs_a460(), crate::chains::crs_a460_nominal());
+    let truth = Truth::from_toml(truth_text(&plan.robot).unwrap(), &robot).unwrap();
+    StudySetup::new(plan, robot, nominal, &truth).unwrap()
 }

@@ -2,12 +2,13 @@
 
 use nalgebra::{DVector, Vector3};
 
+use super::motion_kind::MotionKind;
 use super::plan::{ExperimentSettings, StudyPlan, ValidationSettings};
 use super::scorer::Scorer;
 use super::setup::StudySetup;
 use super::truth::Truth;
 use super::truth_files::truth_text;
-use super::validation::{MotionKind, ValidationError, ValidationMotions};
+use super::validation::{ValidationError, ValidationMotions};
 use crate::base::{Method, reduce};
 use crate::dynamics::{Dynamics, States};
 use crate::excitation::radkhah2007_start;
@@ -242,6 +243,10 @@ fn identity_scores_of_the_truth_are_zero() {
     let score = setup.scorer().score(&setup.scorer().truths()[0], 0, None);
     let found = [score.prediction_rmse_nm, score.slow_rmse_nm, score.point_to_point_rmse_nm];
     assert_eq!((found, score.static_rmse_nm, score.measured_rmse_nm), ([0.0; 3], Some(0.0), None));
+    // Off by one unit in each parameter.
+    let score = setup.scorer().score(&(&setup.scorer().truths()[0] + setup.scorer().units()), 0, None);
+    let units = root_mean_square(setup.scorer().units().as_slice());
+    assert!((score.reference_rmse - 1.0).abs() < 1e-9 && (score.si_rmse / units - 1.0).abs() < 1e-9, "{score:?}");
 }
 
 #[test]

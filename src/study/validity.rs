@@ -176,8 +176,10 @@ mod tests {
     use super::*;
     use crate::base::{Method, reduce};
     use crate::conformance::chains::crs_a460;
-    use crate::model::Columns;
+    use crate::model::{Columns, StandardParameters};
     use crate::seed::Seed;
+    use crate::spatial::PseudoInertia;
+    use rand::RngExt;
 
     #[test]
     fn analytic_extremes_over_a_ball_and_a_capsule() {
@@ -221,5 +223,42 @@ mod tests {
         let base = reduce(&robot, Columns::RIGID, Method::Structural, Seed::new(0)).unwrap();
         let ranges = feasible_ranges(&robot, &base, 30.0);
         assert!(ranges.iter().all(|range| range.low.is_finite() && range.high.is_finite() && range.low <= 0.0));
+        // By another route: point masses of 30 kg all over the shape of each link, the largest value of each added over links.
+        let mut rng = Seed::new(1).stream("points", 0);
+        let mut found = vec![Interval { low: 0.0, high: 0.0 }; base.rank()];
+        for link in 0..robot.dof() {
+            let mut of_link = vec![Interval { low: 0.0, high: 0.0 }; base.rank()];
+            for capsule in shapes_of(&robot, link) {
+                for _ in 0..2000 {
+                    let x = capsule.from + (capsule.to - capsule.from) * rng.random_range(-1.0..2.0);
+                    let x = project(&(x + Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0))), &capsule);
+                    let mut arm = StandardParameters::zero(robot.dof());
+                    arm.links[link] = PseudoInertia(x.push(1.0) * x.push(1.0).transpose() * 30.0).inertia();
+                    let beta = base.beta(&arm.vector(&robot, Columns::RIGID));
+                    for (range, value) in of_link.iter_mut().zip(&beta) {
+                        *range = Interval { low: range.low.min(*value), high: range.high.max(*value) };
+                    }
+                }
+            }
+            for (sum, range) in found.iter_mut().zip(&of_link) {
+                *sum = Interval { low: sum.low + range.low, high: sum.high + range.high };
+            }
+        }
+        for (range, found) in ranges.iter().zip(&found) {
+            let (width, reached) = (range.high - range.low, found.high - found.low);
+            assert!(range.low <= found.low + 1e-9 && found.high <= range.high + 1e-9, "{range:?} {found:?}");
+            assert!(reached > 0.9 * width, "{range:?} {found:?}");
+        }
+        // What is never negative has no upper end, an offset has none at all.
+        let base = reduce(&robot, Columns::default(), Method::Structural, Seed::new(0)).unwrap();
+        for (row, range) in feasible_ranges(&robot, &base, 30.0).iter().enumerate() {
+            let kind = base.parameters[base.kept[row]].kind;
+            let (has_low, has_high) = (range.low.is_finite(), range.high.is_finite());
+            match kind.term().map(|term| term.entry().sign) {
+                Some(Sign::NotNegative) => assert!(has_low && !has_high, "{kind:?}: {range:?}"),
+                Some(Sign::Any) => assert!(!has_low && !has_high, "{kind:?}: {range:?}"),
+                None => {}
+            }
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Which torque constants do the drives have, by a known load?
+//! Which torque constants do the drives have, or which stiffness the servos, by a known load?
 
 use armid::estimation::{
     DriveGain, DriveGains, Estimate, EstimationError, EstimationProblem, EstimatorKind, GainMethod,
@@ -8,6 +8,7 @@ use armid::model::{Columns, Robot};
 use armid::observer::Observer;
 use armid::remedy::{Remedy, Setting, Task};
 use armid::spatial::Inertia;
+use armid_io::log::EffortScale;
 use armid_io::{Error, Inputs, ProcessedLog};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
@@ -28,10 +29,10 @@ pub struct DriveGainsAnswer {
     pub robot: Robot,
     /// The load about the origin of the last link's frame.
     pub load: Inertia,
-    /// The constants by which currents became torques, N·m/A.
+    /// The constants by which currents became torques, N·m/A, or commands, N·m/rad.
     pub constants: Vec<f64>,
-    /// Whether the mapping of the logs states them.
-    pub of_mapping: bool,
+    /// Which of these they are.
+    pub scale: EffortScale,
     /// By every method.
     pub found: Vec<DriveGains>,
     /// The base parameters by the stated constants, without the load.
@@ -44,7 +45,7 @@ pub struct DriveGainsAnswer {
     pub with: (String, Inputs),
 }
 
-/// The torque constants by two logs of one arm, without and with a load of known parameters.
+/// The torque constants, or the stiffness of servos, by two logs of one arm, without and with a load of known parameters.
 ///
 /// # Errors
 /// [`Error`] where the logs hold torques, are one recording or state unlike constants, where several motors drive a joint, or where
@@ -56,7 +57,7 @@ pub fn drive_gains(
     load: &Inertia,
     observer: &dyn Observer,
 ) -> Result<DriveGainsAnswer, Error> {
-    let constants = constants([&without, with], [&inputs, &inputs_with])?;
+    let (scale, constants) = scale([&without, with], [&inputs, &inputs_with])?;
     if without.has_no_periods() {
         without.find_onset(columns, observer)?;
     }
@@ -72,7 +73,7 @@ pub fn drive_gains(
         robot: without.robot.robot.clone(),
         load: *load,
         constants,
-        of_mapping: inputs.mapping.as_deref().is_some_and(|mapping| mapping.contains("constant=")),
+        scale,
         found,
         stated,
         moved: moved.row_iter().map(|row| row.iter().copied().collect()).collect(),
@@ -81,8 +82,8 @@ pub fn drive_gains(
     })
 }
 
-/// The constants by which both sides' currents became torques, where these are two logs of one arm whose motors each drive a joint.
-fn constants([without, with]: [&ProcessedLog; 2], [first, second]: [&Inputs; 2]) -> Result<Vec<f64>, Error> {
+/// The constants by which both sides' efforts became torques, where these are two logs of one arm whose motors each drive a joint.
+fn scale([without, with]: [&ProcessedLog; 2], [first, second]: [&Inputs; 2]) -> Result<(EffortScale, Vec<f64>), Error> {
     check_apart((&without.name(), Some(first)), Some(second))?;
     let robot = &without.robot.robot;
     if let Some(joint) = (0..robot.dof()).find(|&joint| robot.is_coupled(joint)) {
@@ -93,7 +94,7 @@ fn constants([without, with]: [&ProcessedLog; 2], [first, second]: [&Inputs; 2])
         let help = Remedy::task(Task::CalibrateTorqueConstant, "").say(" measures each motor's by its back-EMF");
         return Err(Error::new(message).help(help));
     }
-    let (stated, again) = (without.stated_constants()?, with.stated_constants()?);
+    let (stated, again) = (without.stated_scale()?, with.stated_scale()?);
     if stated != again {
         let message = format!("{} states other torque constants than {}", with.name(), without.name());
         return Err(
@@ -135,8 +136,8 @@ impl DriveGainsAnswer {
         }
         let value = |(joint, gain): (usize, &DriveGain)| format!("{:.6}", self.constant(joint, gain).value);
         let values: Vec<String> = taken.gains.iter().enumerate().map(value).collect();
-        if self.of_mapping {
-            return Some(format!("constant={}", values.join("/")));
+        if self.scale != EffortScale::RobotConstant {
+            return Some(format!("{}={}", self.scale.key(), values.join("/")));
         }
         let line = |(joint, value): (usize, &String)| {
             format!("torque_constant_nm_a = {value}  # joint \"{}\", was {}", self.joint(joint), self.constants[joint])
@@ -148,6 +149,7 @@ impl DriveGainsAnswer {
 impl Serialize for DriveGainsAnswer {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let taken = self.taken();
+        let [key, stated] = self.scale.answer_keys();
         let joints: Vec<Value> = (0..self.robot.dof())
             .map(|joint| {
                 let by: Map<String, Value> = self
@@ -155,11 +157,11 @@ impl Serialize for DriveGainsAnswer {
                     .iter()
                     .map(|found| {
                         let gain = &found.gains[joint];
-                        let shown = json!({ "ratio": gain, "torque_constant_nm_a": self.constant(joint, gain) });
+                        let shown = json!({ "ratio": gain, key: self.constant(joint, gain) });
                         (found.method.name().to_owned(), shown)
                     })
                     .collect();
-                json!({ "joint": self.joint(joint), "stated_nm_a": self.constants[joint], "by": by })
+                json!({ "joint": self.joint(joint), stated: self.constants[joint], "by": by })
             })
             .collect();
         let base: Vec<Value> = self

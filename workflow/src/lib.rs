@@ -11,6 +11,7 @@
 //! | write a model or source code | [`export::export`], [`export::export_source`] |
 //! | draw a page | [`report`] |
 //! | find what the last link carries, or torque constants by a known load | [`payload()`], [`drive_gains()`] |
+//! | find motion and estimator for an arm before it moves | [`advice::advise`] |
 //! | perform a study | [`study::perform`], [`study::merge`] |
 //!
 //! From a robot to its parameters, on a simulated arm:
@@ -38,6 +39,7 @@
 //!
 //! Work that takes long reports to an [`Observer`](armid::observer::Observer), which may end it. Nothing here knows a terminal.
 
+pub mod advice;
 mod counter;
 pub mod design;
 mod drive_gains;

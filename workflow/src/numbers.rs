@@ -1,23 +1,10 @@
 //! Numbers as they are read.
 
+use armid::number::significant;
+
 /// A number for reading: four significant digits, without an exponent where that is readable.
 pub fn number(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return match value {
-            v if v == f64::INFINITY => "∞".to_owned(),
-            v if v == f64::NEG_INFINITY => "−∞".to_owned(),
-            v if v.is_nan() => "not a number".to_owned(),
-            _ => "0".to_owned(),
-        };
-    }
-    let magnitude = value.abs();
-    if (1e-3..1e6).contains(&magnitude) {
-        let digits = (3 - magnitude.log10().floor() as i32).clamp(0, 8) as usize;
-        let text = format!("{value:.digits$}");
-        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
-    } else {
-        format!("{value:.3e}")
-    }
+    significant(value, 4)
 }
 
 /// A share in percent.

@@ -130,6 +130,7 @@ fn foreign(log: &ProcessedLog) -> ProcessedLog {
         qd: None,
         link_q: None,
         effort: samples.tau.clone(),
+        servo: None,
         effort_unit: Some(EffortInterface::Torque),
     };
     Log::from_arrays(arrays).unwrap().process(log.robot.clone(), &LogSettings::default()).unwrap()

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use armid::estimation::DriveGain;
+use armid_io::log::EffortScale;
 use armid_workflow::DriveGainsAnswer;
 
 use super::findings::paragraph;
@@ -22,10 +23,19 @@ impl DriveGainsText<'_> {
         which.iter().map(|&joint| self.0.joint(joint)).collect::<Vec<_>>().join(", ")
     }
 
+    /// What one of them is called.
+    const fn noun(&self) -> &'static str {
+        match self.0.scale {
+            EffortScale::RobotConstant | EffortScale::MappedConstant => "torque constant",
+            EffortScale::ServoStiffness => "servo gain",
+        }
+    }
+
     pub(crate) fn text(&self) -> String {
         let (without, with) = (&self.0.without.0, &self.0.with.0);
         let mut text = format!(
-            "torque constants of \"{}\" by a load of {} kg on link \"{}\": {with} against {without}\n",
+            "{}s of \"{}\" by a load of {} kg on link \"{}\": {with} against {without}\n",
+            self.noun(),
             self.0.robot.name(),
             number(self.0.load.mass),
             self.0.robot.link_name(self.0.robot.dof())
@@ -39,12 +49,15 @@ impl DriveGainsText<'_> {
         text += "\nwhat a wrong constant moves: per cent of a parameter for each per cent of the joint's constant\n";
         text += &self.moves_table();
         let wrong = self.0.taken().wrong();
-        match (self.0.corrected(), self.0.of_mapping) {
+        match (self.0.corrected(), self.0.scale) {
             (Some(_), _) if wrong.is_empty() => {}
-            (Some(lines), true) => {
+            (Some(lines), EffortScale::MappedConstant) => {
                 let _ = writeln!(text, "\n→ in --map, beside the currents: {lines}");
             }
-            (Some(lines), false) => {
+            (Some(lines), EffortScale::ServoStiffness) => {
+                let _ = writeln!(text, "\n→ in --map, for q_cmd: {lines} kd=0");
+            }
+            (Some(lines), EffortScale::RobotConstant) => {
                 text += "\n→ in the table [joint.drive] of each joint in robot.toml:\n";
                 let of_wrong = lines.lines().enumerate().filter(|(joint, _)| wrong.contains(joint));
                 of_wrong.for_each(|(_, line)| text += &format!("  {line}\n"));
@@ -57,9 +70,9 @@ impl DriveGainsText<'_> {
     }
 
     fn constants_table(&self) -> String {
-        let mut table = Table::of(
-            "joint | by | #torque constant | #95 % interval | # | #stated | #over stated | #95 % interval | #",
-        );
+        let head =
+            format!("joint | by | #{} | #95 % interval | # | #stated | #over stated | #95 % interval | #", self.noun());
+        let mut table = Table::of(&head);
         for joint in 0..self.0.robot.dof() {
             for (k, found) in self.0.found.iter().enumerate() {
                 let gain = &found.gains[joint];
@@ -71,7 +84,7 @@ impl DriveGainsText<'_> {
                 table.row([
                     first(self.0.joint(joint).to_owned()),
                     found.method.name().to_owned(),
-                    format!("{:.5} N·m/A", constant.value),
+                    format!("{:.5} {}", constant.value, self.0.scale.unit()),
                     end(&constant, 0, 5),
                     end(&constant, 1, 5),
                     first(number(self.0.constants[joint])),
@@ -87,7 +100,7 @@ impl DriveGainsText<'_> {
     fn sentences(&self) -> Vec<String> {
         let taken = self.0.taken();
         let mut all = vec![format!(
-            "ols, wls and ridge have no intervals: the noise of the currents draws them towards zero, by more than they scatter. What \
+            "ols, wls and ridge have no intervals: the noise of the efforts draws them towards zero, by more than they scatter. What \
              follows is by {}. The load is taken as exact: a mass that is one per cent too large makes every constant one per cent too \
              large.",
             taken.method.name()

@@ -1,5 +1,6 @@
 //! What commands answer: texts for a person, JSON for a program.
 
+pub(crate) mod advice;
 pub(crate) mod clearance;
 pub(crate) mod design;
 pub(crate) mod drive_gains;

@@ -27,7 +27,7 @@ pub(crate) fn selection_text(selection: &Selection) -> String {
         selection.equations,
     );
     let mut text =
-        format!("terms that the data decide: {}\n{}{}", selection.columns, table.render(2), paragraph(&sentence, 2));
+        format!("terms that the log supports: {}\n{}{}", selection.columns, table.render(2), paragraph(&sentence, 2));
     for sentence in remarks(selection) {
         text += &paragraph(&sentence, 2);
     }
@@ -39,13 +39,7 @@ fn remarks(selection: &Selection) -> Vec<String> {
     let supported = || selection.terms.iter().filter(|term| term.verdict == Verdict::Supported);
     let mut all: Vec<String> = supported()
         .filter(|term| !term.alike.is_empty())
-        .map(|term| {
-            format!(
-                "Not decided is which of these there is: {}, or {} in its place.",
-                term.term,
-                term.alike.join(" or ")
-            )
-        })
+        .map(|term| format!("The log cannot tell {} from {}.", term.term, term.alike.join(" or ")))
         .collect();
     all.extend(selection.terms.iter().filter(|term| !term.negative.is_empty()).map(|term| {
         format!(
@@ -62,7 +56,7 @@ fn remarks(selection: &Selection) -> Vec<String> {
             format!("{} {} ({} to {}){unit}", of.parameter, number(of.value), number(low), number(high))
         });
         all.push(format!(
-            "The data support \"{}\", which depends on more than the motion and is no column of the estimate, whose error it is: {}.",
+            "The log shows \"{}\", which depends on more than the motion. The model has no term for it, so it biases the estimate: {}.",
             term.term,
             own.collect::<Vec<_>>().join(", ")
         ));

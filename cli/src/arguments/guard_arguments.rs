@@ -15,20 +15,19 @@ pub(crate) struct GuardArguments {
     /// Guard a simulated arm too; a real one always is guarded
     #[arg(long)]
     pub(crate) guard: bool,
-    /// Part of the speed of the motion, such as 10%: the same path, more slowly
+    /// Share of the designed speed, such as 10%, on the same path
     #[arg(long, value_name = "PERCENT")]
     pub(crate) speed: Option<Speed>,
-    /// Keep the flange, and every [[point]] of the robot file, under a speed, mm/s, for people beside the arm: motion and
-    /// approach are slowed as far as needed, and a faster point trips. Not a safety-rated function
+    /// Limit the speed of flange and [[point]]s, mm/s; not safety-rated
     #[arg(long, value_name = "MM_S", num_args = 0..=1, default_missing_value = "250")]
     pub(crate) reduced_speed: Option<f64>,
-    /// Perform the motion at 10 %, 50 % and 100 % of its speed, one after the other
+    /// Perform the motion at 10, 50 and 100 % of its speed
     #[arg(long, conflicts_with = "speed")]
     pub(crate) first_run: bool,
-    /// Recordings that show that a real arm did this motion more slowly before
+    /// Recordings of this motion on the real arm at lower speed
     #[arg(long, value_name = "R.mcap", num_args = 1..)]
     pub(crate) earlier: Vec<PathBuf>,
-    /// Confirm, in place of typing the robot's name: the emergency stop works and is in reach, the arm is homed, nobody is near
+    /// Confirm: emergency stop works, arm is homed, nobody is near
     #[arg(long)]
     pub(crate) yes_the_estop_works: bool,
 }

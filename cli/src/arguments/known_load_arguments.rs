@@ -19,7 +19,7 @@ pub(crate) struct KnownLoadArguments {
         help_heading = "Payload"
     )]
     payload_centre: Option<Vec<f64>>,
-    /// Its inertia matrix about its centre along that frame's axes, kg·m²; by default that of a point
+    /// Its inertia about its centre, kg·m² [default: a point mass]
     #[arg(
         long,
         value_name = "XX,YY,ZZ[,XY,XZ,YZ]",

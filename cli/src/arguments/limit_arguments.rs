@@ -5,33 +5,31 @@ use armid::excitation::LimitSettings;
 /// Which limits hold.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct LimitArguments {
-    /// Largest acceleration of every joint, in place of the robot's own limits
+    /// Largest acceleration of every joint, instead of the robot's limits
     #[arg(long, value_name = "RAD_S2")]
     pub(crate) max_acceleration: Option<f64>,
-    /// Distance to keep from the position limits, deg: by default the soft limits of the guard that watches a real arm, and
-    /// a degree for the servo. Prismatic joints keep as much of the guard's margin in metres
+    /// Distance from the position limits, deg [the guard's and one more]
     #[arg(long, value_name = "DEG", default_value_t = LimitSettings::default().margin_deg)]
     margin: f64,
-    /// Do not hold the limits of torque and current
+    /// Ignore the limits of torque and current
     #[arg(long)]
     ignore_torque: bool,
-    /// Probability with which torque and current keep their limits at any one instant, by the uncertainty that the
-    /// nominal parameters state; 0.5 holds them for the nominal parameters alone
+    /// Probability of keeping torque and current limits; see `armid help limits`
     #[arg(long, value_name = "P", default_value_t = 0.95)]
     confidence: f64,
-    /// Length of the ramps in which the limits hold as well, s
+    /// Length of the ramps, which keep the limits too, s
     #[arg(long, value_name = "S", default_value_t = 2.0)]
     ramp: f64,
-    /// Hold the limits on the period alone, not on the ramps around it
+    /// Keep the limits in the period only, not on the ramps
     #[arg(long)]
     no_ramps: bool,
     /// Distance to keep between the robot's collision shapes and from obstacles, m
     #[arg(long, value_name = "M", default_value_t = 0.0)]
     clearance: f64,
-    /// Do not hold any clearance
+    /// Ignore collisions
     #[arg(long)]
     ignore_clearance: bool,
-    /// Keep everything above this height of the base frame, m, beside the obstacles of the robot file
+    /// Keep all shapes above this height of the base frame, m
     #[arg(long, value_name = "Z")]
     pub(crate) keep_above: Option<f64>,
 }

@@ -40,45 +40,40 @@ pub(crate) struct LogArguments {
     /// Whether terms are chosen from what the logs show.
     #[arg(skip)]
     selects: bool,
-    /// What the columns of a table are: "t=time_ms ms, q=joint_[1-6] deg, current=i_[1-6] mA". Keys t, q, qd, tau, current;
-    /// headings with [1-6] or [01-06] for the joints, or #2 for the second column, several with / between them (#1/#3/#2),
-    /// `-` in the place of a torque that is left out, `file:heading` for files side by side, with * for what those of one log
-    /// share; then unit, motor, gear=, sign=, offset_deg=, constant= (N·m/A), rated= (of %), values of each joint with / between
-    /// them. Of joint states of ROS 2 the names of joints take the place of headings, without t, and topic=/arm/joint_states,
-    /// alone or in front, says which are meant
+    /// Columns and units: "t=time ms, q=q_[1-6] deg"; see `armid help map`
     #[arg(long, value_name = "COLUMNS", help_heading = "Logs")]
     map: Option<String>,
     /// Rows per second of a table without a column of times
     #[arg(long, value_name = "HZ", help_heading = "Logs")]
     rate: Option<f64>,
-    /// Kind of efforts, where the log does not state it; otherwise as in the robot file
+    /// Kind of efforts, if the log does not state it
     #[arg(long, value_parser = one_of(&EffortInterface::ALL, EffortInterface::name), help_heading = "Logs")]
     effort: Option<EffortInterface>,
-    /// Time from which a log is used, s; with periods, found in the log by default
+    /// Start of the part that is used, s
     #[arg(long, visible_alias = "skip", value_name = "S", help_heading = "Logs")]
     from: Option<f64>,
-    /// Time up to which a log is used, s
+    /// End of the part that is used, s
     #[arg(long, value_name = "S", help_heading = "Logs")]
     until: Option<f64>,
     /// Take velocities as measured (qd) instead of from the positions
     #[arg(long, help_heading = "Processing")]
     measured_velocity: bool,
-    /// Period of the motion, s, or none for an aperiodic log; found in the log by default
+    /// Period of the motion, s, or none [default: found in the log]
     #[arg(long, value_name = "S|none", value_parser = period, help_heading = "Processing")]
     period: Option<Period>,
-    /// Velocities and accelerations: through Fourier coefficients (the default), or filtered differences
+    /// How velocities and accelerations are computed [default: fourier]
     #[arg(long, value_parser = one_of(&Derivatives::ALL, Derivatives::name), help_heading = "Processing")]
     derivatives: Option<Derivatives>,
-    /// Highest frequency kept of the positions; found in the log by default
+    /// Highest frequency kept of positions [default: found in the log]
     #[arg(long, value_name = "HZ", help_heading = "Processing")]
     cutoff_hz: Option<f64>,
-    /// Leave out equations of a joint slower than this share of its top speed, 0.02 by default; 0 keeps all
+    /// Leave out rows slower than this share of top speed [default: 0.02]
     #[arg(long, value_name = "SHARE", help_heading = "Processing")]
     reversal_fraction: Option<f64>,
-    /// Samples of the averaged period that are kept, 250 by default
+    /// Samples kept of the averaged period [default: 250]
     #[arg(long, value_name = "N", help_heading = "Processing")]
     samples: Option<usize>,
-    /// Cut-off of the low pass through which measured and predicted torque are compared, 20 by default
+    /// Cut-off of the low pass on torques [default: 20]
     #[arg(long, value_name = "HZ", help_heading = "Processing")]
     bandwidth_hz: Option<f64>,
 }

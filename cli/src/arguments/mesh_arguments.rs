@@ -7,8 +7,7 @@ use armid_io::robot::PackagePath;
 /// Where packages are.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub(crate) struct MeshArguments {
-    /// Folders that hold the packages of `package://` meshes in a URDF, or are one; after them come ROS_PACKAGE_PATH,
-    /// AMENT_PREFIX_PATH and the folders above the URDF
+    /// Folders with the packages of `package://` meshes
     #[arg(long, value_name = "DIR", num_args = 1..)]
     package_path: Vec<PathBuf>,
 }

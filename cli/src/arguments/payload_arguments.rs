@@ -6,11 +6,10 @@ use armid_workflow::design::HeaviestLoad;
 /// The heaviest load.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct PayloadArguments {
-    /// Made for a load on the last link: its ten parameters are asked for, and torque and current hold their limits without it
-    /// and with this mass, kg, of which nothing heavier may be put on
+    /// Design for a payload of at most this mass
     #[arg(long, value_name = "KG", conflicts_with_all = ["criterion", "prior", "freeze", "expect", "predict"])]
     payload: Option<f64>,
-    /// Centre of mass of the heaviest load in the frame of the last link, m
+    /// Its centre of mass in the frame of the last link, m
     #[arg(long, value_name = "X,Y,Z", requires = "payload", default_value = "0,0,0", value_parser = centre)]
     payload_centre: Centre,
 }

@@ -6,7 +6,7 @@ use armid_io::{Error, LoadedRobot, robot};
 /// Which robot.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct RobotArguments {
-    /// A bundled name (`armid robot` lists them), a robot.toml, a .urdf or an MJCF .xml file
+    /// A bundled name (`armid robot` lists them), robot.toml, URDF or MJCF
     pub(crate) robot: String,
     #[command(flatten)]
     pub(crate) chain: ChainArguments,

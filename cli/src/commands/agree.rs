@@ -19,14 +19,11 @@ use crate::arguments::RobotArguments;
 use crate::terminal::{Answer, Console, Ending, Table, number, report_folder};
 
 const AFTER_HELP: &str = "\
-Free motion has no torque and no friction and lasts a quarter of a second; the reference is the
-articulated-body algorithm with steps so fine that its own error is rounding. In the closed loop each
-engine performs one period of the experiment under the robot's servo, friction included, with
-ideal sensors; torque is held over a servo step, so only differences are given there. Without
---trajectory the A460 moves along Table I of Radkhah et al. (2007), another robot along a motion
-within its limits.
+Free motion without friction is compared with the articulated-body algorithm at finer steps. In the closed \
+loop each engine performs one period under the robot's servo, with friction and ideal sensors. Without \
+--trajectory the A460 follows Table I of Radkhah et al. (2007).
 
-Exit status 1: a tolerance is exceeded. Each is listed beside the measured value.
+Exit status 1: a tolerance is exceeded.
 
 Examples:
   armid agree crs-a460

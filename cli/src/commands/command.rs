@@ -3,8 +3,8 @@
 use miette::Result;
 
 use super::{
-    agree, calibrate, completions, controller, design, doctor, dynamics, export, identify, init, monitor, reduce,
-    report, robot, run, study, trajectory, validate,
+    advise, agree, calibrate, completions, controller, design, doctor, dynamics, export, identify, init, monitor,
+    reduce, report, robot, run, study, topic, trajectory, validate,
 };
 use crate::terminal::{Console, Ending, Writes};
 
@@ -13,6 +13,7 @@ use crate::terminal::{Console, Ending, Writes};
 pub(crate) enum Command {
     Robot(robot::Arguments),
     Init(init::Arguments),
+    Advise(advise::Arguments),
     Agree(agree::Arguments),
     Reduce(reduce::Arguments),
     Dynamics(dynamics::Arguments),
@@ -29,6 +30,8 @@ pub(crate) enum Command {
     Controller(controller::Arguments),
     Doctor(doctor::Arguments),
     Completions(completions::Arguments),
+    #[command(flatten)]
+    Topic(topic::Topic),
 }
 
 impl Command {
@@ -43,11 +46,12 @@ impl Command {
             | Self::Validate(_)
             | Self::Controller(_)
             | Self::Doctor(_)
-            | Self::Completions(_) => Writes::Answer,
+            | Self::Completions(_)
+            | Self::Topic(_) => Writes::Answer,
             Self::Design(_) | Self::Trajectory(_) | Self::Export(_) => Writes::Text,
             Self::Run(_) => Writes::Recording,
             Self::Calibrate(_) => Writes::Several,
-            Self::Agree(_) | Self::Init(_) | Self::Study(_) | Self::Report(_) => Writes::Folder,
+            Self::Advise(_) | Self::Agree(_) | Self::Init(_) | Self::Study(_) | Self::Report(_) => Writes::Folder,
         }
     }
 }
@@ -56,6 +60,7 @@ impl Command {
 pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
     let console = &console.writing(command.writes())?;
     match command {
+        Command::Advise(arguments) => advise::run(&arguments, console),
         Command::Agree(arguments) => agree::run(&arguments, console),
         Command::Robot(arguments) => robot::run(&arguments, console),
         Command::Init(arguments) => init::run(&arguments, console),
@@ -74,5 +79,6 @@ pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
         Command::Controller(arguments) => controller::run(&arguments, console),
         Command::Doctor(arguments) => doctor::run(&arguments, console),
         Command::Completions(arguments) => completions::run(&arguments, console),
+        Command::Topic(topic) => topic::run(&topic, console),
     }
 }

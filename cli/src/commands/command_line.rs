@@ -4,14 +4,13 @@ use super::Command;
 use crate::terminal::GlobalArguments;
 
 const AFTER_HELP: &str = "\
-Exit status: 0 done; 1 the work ran and its verdict is negative; 2 bad input or usage;
-130 interrupted, with what was finished kept.
-Everything is in SI units and radians unless a name ends in another unit (_deg).
+Exit status: 0 done; 1 negative verdict; 2 bad input or usage; 130 interrupted, finished work is kept. \
+Units are SI and radians unless a name says otherwise (_deg).
 
-ROBOT is a bundled name (`armid robot` lists them), a path to a robot.toml, or a .urdf or
-MJCF .xml file.
+ROBOT is a bundled name (`armid robot`), a robot.toml, a URDF or an MJCF. More help: `armid help map` (columns of a log), \
+`armid help limits` (of a design).
 
-From a robot to an estimate and a check of it:
+Examples:
   armid design crs-a460 --criterion d-optimal -o T.toml
   armid run experiment.toml -o R.mcap
   armid identify R.mcap -o E.json
@@ -26,4 +25,36 @@ pub(crate) struct CommandLine {
     pub(crate) global: GlobalArguments,
     #[command(subcommand)]
     pub(crate) command: Command,
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Command, CommandFactory};
+
+    use super::CommandLine;
+
+    fn all(command: Command) -> Vec<Command> {
+        let below = command.get_subcommands().cloned().flat_map(all).collect::<Vec<_>>();
+        std::iter::once(command).chain(below).collect()
+    }
+
+    #[test]
+    fn help_is_short_and_is_wrapped_by_the_terminal_alone() {
+        for command in all(CommandLine::command()) {
+            let name = command.get_name();
+            let help = command.get_arguments().filter_map(|option| option.get_help().map(ToString::to_string));
+            let long: Vec<String> = help.filter(|help| help.split_whitespace().count() > 12).collect();
+            assert!(long.is_empty(), "{name}: {long:?}");
+            let after = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            let lines: Vec<&str> = after.lines().collect();
+            for pair in lines.windows(2) {
+                let is_prose = |line: &str| !line.is_empty() && !line.starts_with(' ');
+                assert!(!(is_prose(pair[0]) && is_prose(pair[1])), "{name}: a paragraph has a line break: {pair:?}");
+            }
+            let prose =
+                lines.iter().take_while(|line| !line.starts_with("Example")).filter(|line| !line.starts_with(' '));
+            let words = prose.flat_map(|line| line.split_whitespace()).count();
+            assert!(words <= 60, "{name}: {words} words above the examples: {after}");
+        }
+    }
 }

@@ -22,13 +22,12 @@ use crate::interrupt;
 use crate::terminal::{Answer, Console, Ending, number, real_time};
 
 const AFTER_HELP: &str = "\
-It accepts motions by the action follow_joint_trajectory or on the topic joint_trajectory, and
-set-points on the topic commands; it reports joint_states, and its own state as text on
-robot_state. Where a stream ends while the arm moves, it comes to rest after 20 ms and the
-motors are off after 100 ms. Names and domain: [ros2] of an experiment.
+It accepts motions by the action follow_joint_trajectory or the topic joint_trajectory, and set-points on \
+commands. It reports joint_states and robot_state. If set-points end in motion, it stops after 20 ms, with \
+motors off after 100 ms.
 
---fault NAME@SECONDS injects a fault, of the size S or R where it has one (NAME:S@SECONDS), so many seconds after the start, or after the beginning of
-the first motion (NAME@motion+SECONDS):
+--fault NAME@SECONDS injects a fault after so many seconds, NAME@motion+SECONDS counts from the first \
+motion, NAME:S@SECONDS gives its size:
   freeze       the controller hangs; the brakes close
   drop         98 of 100 joint states are lost
   jitter       joint states are up to 200 ms late and out of order
@@ -38,8 +37,8 @@ the first motion (NAME@motion+SECONDS):
   die          the process ends at once
   order        the values of the first two joints are exchanged, their names are not
   nan          the first joint's position is not a number
-  late-answer  motions are accepted at once, and the answer comes a second later
-  lost-result  how a motion ended is never reported
+  late-answer  motions begin at once, and the answer comes a second later
+  lost-result  the end of a motion is never reported
   strange-state  the reported state is an unknown text
   oscillation  the first joint's current swings between its limit and zero
   clock:S      the robot's clock is stepped by S seconds (-2)
@@ -67,7 +66,7 @@ pub(crate) struct Arguments {
     /// ROS domain, in place of the experiment's
     #[arg(long, value_name = "ID")]
     domain: Option<u16>,
-    /// Joint states per second; a whole part of the servo's rate, which it is by default
+    /// Joint states per second; divides the servo rate, the default
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
     /// Initial positions, rad (m), in place of zero
@@ -76,7 +75,7 @@ pub(crate) struct Arguments {
     /// The arm is not homed: it reports so and does not move
     #[arg(long)]
     not_homed: bool,
-    /// How a running motion is replaced by another, as in versions of joint_trajectory_controller
+    /// How a new motion replaces a running one
     #[arg(long, default_value = "at-once", value_parser = one_of(&Replacement::ALL, Replacement::name))]
     replacement: Replacement,
     /// Refuse the first goals, so many of them
@@ -94,10 +93,10 @@ pub(crate) struct Arguments {
     /// Seed of the sensors' noise
     #[arg(long, value_name = "K", default_value_t = 0)]
     seed: u64,
-    /// Age of the newest set-point at which a moving arm is brought to rest
+    /// Age of the last set-point that stops a moving arm
     #[arg(long, value_name = "MS", default_value_t = 20.0)]
     hold_ms: f64,
-    /// Age of the newest set-point at which the motors of a moving arm are switched off
+    /// Age of the last set-point that disables the motors
     #[arg(long, value_name = "MS", default_value_t = 100.0)]
     disable_ms: f64,
 }

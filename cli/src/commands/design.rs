@@ -17,18 +17,10 @@ use crate::arguments::{LimitArguments, MeshArguments, PayloadArguments, RobotArg
 use crate::terminal::{Answer, Console, Ending, Watch, report_folder};
 
 const AFTER_HELP: &str = "\
-Every start begins at the first guess of Radkhah et al. (2007) from other random velocities and may
-evaluate the criterion --evaluations times (a gradient counts as one more). The best start within all
-limits is kept. Limits hold at every instant, also between samples and on the ramps of an experiment:
-position (less --margin, where the guard of a real arm stops it), velocity, acceleration, jerk,
-distances (of the robot's shapes: a URDF's boxes, balls and capsules, and the hulls of its cylinders and
-meshes), and torque and current (peak and RMS) with the probability --confidence at each instant, by
-the uncertainty of the nominal parameters (without one, below nine tenths of the limits). Where no
-start holds them, the nearest is written, its excess is reported, and the exit status is 1. Equal seeds
-give equal trajectories. The file contains the certificate.
-
-The figures without a suffix are those of the rigid base columns for any criterion; those
-of the chosen columns are beside them under …_all.
+Every start gets other random velocities and --evaluations evaluations of the criterion (a gradient counts \
+as one more). The best start within all limits is written with its certificate. If none is within the \
+limits, the nearest is written and the exit status is 1. Equal seeds give equal trajectories. Limits: `armid \
+help limits`.
 
 Examples:
   armid design crs-a460 --criterion d-optimal -o T.toml
@@ -36,7 +28,7 @@ Examples:
   armid design crs-a460 --criterion d-optimal --prior E.json --from T.toml -o T2.toml
   armid design crs-a460 --criterion model-error --expect load-friction,elasticity=3.0 -o T.toml
   armid design crs-a460 --criterion a-optimal --family cubic-b-spline --freeze wrist_roll=0 -o T.toml
-  armid design crs-a460 --payload 1.5 --payload-centre 0,0,0.05 -o L.toml   # for identify --payload
+  armid design crs-a460 --payload 1.5 --payload-centre 0,0,0.05 -o L.toml
   armid design arm.urdf --criterion condition-scaled --period 20 --harmonics 7 -o T.toml";
 
 /// Design a trajectory that excites the parameters best within the limits
@@ -62,10 +54,10 @@ pub(crate) struct Arguments {
     /// Family of trajectories
     #[arg(long, default_value = "fourier", value_parser = one_of(&Family::ALL, Family::name))]
     family: Family,
-    /// Harmonics of every joint, or a list with one number for each; splines have 2 N + 1 knots
+    /// Harmonics of all joints, or of each (splines: 2N+1 knots)
     #[arg(long, value_name = "N", default_value = "5", value_delimiter = ',')]
     harmonics: Vec<usize>,
-    /// Joint held fixed, and its position, rad; parameters that are then unidentifiable are left out
+    /// Joint that stays at this position, rad
     #[arg(long, value_name = "JOINT=RAD", value_delimiter = ',', value_parser = frozen_joint)]
     freeze: Vec<(String, f64)>,
     /// Seed of the first guesses
@@ -74,7 +66,7 @@ pub(crate) struct Arguments {
     /// Independent starts
     #[arg(long, value_name = "N", default_value_t = 8)]
     starts: u64,
-    /// Trajectories of the same family, period and joints at which further starts begin
+    /// More starts: trajectories of the same family, period and joints
     #[arg(long, value_name = "T.toml", num_args = 1..)]
     from: Vec<String>,
     /// Evaluations of the criterion that each start may use
@@ -87,20 +79,19 @@ pub(crate) struct Arguments {
     limits: LimitArguments,
     #[command(flatten)]
     meshes: MeshArguments,
-    /// Weight the rows of d-optimal by the noise of each joint's effort, from the robot's drives
+    /// Weight d-optimal by the noise that the drives state
     #[arg(long)]
     weighted: bool,
-    /// Estimates of earlier experiments: the design adds to their information, with the noise that they found
+    /// Estimates of earlier experiments, whose information is added
     #[arg(long, value_name = "E.json", num_args = 1.., conflicts_with = "weighted")]
     prior: Vec<PathBuf>,
-    /// Effects that model-error expects of the arm, each at its realistic level or a magnitude in its own unit; by default
-    /// load-friction and elasticity
+    /// Effects that model-error expects [default: load-friction,elasticity, realistic]
     #[arg(long, value_name = "EFFECT[=MAGNITUDE]", value_delimiter = ',', value_parser = expected_effect)]
     expect: Vec<(EffectKind, f64)>,
-    /// Motions on which i-optimal and model-error predict torque; by default random ones, half of them slow
+    /// Motions to predict, for i-optimal and model-error [default: random ones]
     #[arg(long, value_name = "T.toml", num_args = 1..)]
     predict: Vec<String>,
-    /// Recorded periods that model-error expects of the experiment, at the robot's servo rate
+    /// Recorded periods that model-error assumes
     #[arg(long, value_name = "N", default_value_t = 10)]
     periods: usize,
     /// Skip the baseline: as many random trajectories as a start may evaluate

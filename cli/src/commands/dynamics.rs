@@ -13,8 +13,8 @@ use crate::arguments::{RobotArguments, columns, one_of, read_parameter_map};
 use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
-S.csv has the headings q1..qn,qd1..qdn,qdd1..qddn, in rad, rad/s, rad/s² (m for a prismatic
-joint); for `acceleration` tau1..taun, in N·m (N), stand in place of qdd. The answer is a CSV:
+S.csv has the headings q1..qn,qd1..qdn,qdd1..qddn in rad, rad/s, rad/s² (m for prismatic joints). For \
+`acceleration`, tau1..taun in N·m (N) replace qdd. The answer is a CSV:
 
   torque         tau1..taun
   acceleration   qdd1..qddn
@@ -42,7 +42,7 @@ pub(crate) struct Arguments {
     /// What to evaluate
     #[arg(long, value_parser = one_of(&Quantity::ALL, Quantity::name))]
     quantity: Quantity,
-    /// Parameter name → value, TOML or JSON; a URDF or MJCF has its own
+    /// Parameters: name → value, TOML or JSON
     #[arg(long, value_name = "P")]
     parameters: Option<PathBuf>,
     /// Columns of the regressor

@@ -17,27 +17,15 @@ use crate::arguments::{ChainArguments, one_of};
 use crate::terminal::{Answer, Console, Destination, Ending, Watch, report_folder};
 
 const AFTER_HELP: &str = "\
-urdf, mjcf, toml and json need the mass, centre of mass and inertia of each link; torque shows sums of
-them. The log of the estimate is read again, and a model with the terms of the format is fitted to it,
-near the bodies of the robot file: every body is one, with at least a thousandth of the spread of its
-guess, and friction and rotor inertia are not negative. How much the guess counts is chosen by
-cross-validation over blocks of the log. The file is read back and predicts the log; the answer, the
-file and --json have the error. Exit status 1 where it is more than 1.25 times that of the estimate:
-the answer then says which term is missing, and how much torque it carries.
+For urdf, mjcf, toml and json a model with the terms of the format is fitted to the log, near the bodies of \
+the robot file. The file must predict the log with at most 1.25 times the error of the estimate; else the \
+exit status is 1 and the missing term is named.
 
-A robot that came as a URDF or MJCF is written as that file with other inertias, damping and friction,
-and in MJCF with armature and force range; names, meshes, geoms, actuators, comments and formatting
-stay. --into does the same to another file of the same arm. Right angles of a URDF that are written
-with few digits stay as they are in the file; the answer says by how much its torque differs for that.
-
-c and rust are source code of inverse dynamics, gravity torque and mass matrix in the base parameters
-as estimated, with the operations that they need and no others; it needs a compiler alone, and no log.
-Its operations are compared with the regressor times the estimate.
-
-isaac and python are files of Python for simulators. isaac, beside the MJCF of the same estimate, has
-the actuators of Isaac Lab: rotor inertia, friction and limits of each joint, for gains of yours.
-python has an MJCF without friction, and a class that applies the friction of every identified law in
-each step of MuJoCo, which has viscous and dry friction alone.
+  urdf, mjcf    a URDF or MJCF robot keeps its meshes, comments and formatting
+  toml, json    all terms of the model
+  c, rust       inverse dynamics, gravity and mass matrix in base parameters
+  isaac         actuators of Isaac Lab, beside the MJCF of the same estimate
+  python        an MJCF, and a class that applies the identified friction
 
 Examples:
   armid export E.json --to urdf -o a460.urdf
@@ -57,10 +45,10 @@ pub(crate) struct Arguments {
     /// The robot, where its file is no longer where the estimate says
     #[arg(long)]
     robot: Option<String>,
-    /// The logs of the estimate, where they are no longer where it says
+    /// Logs of the estimate, if they were moved
     #[arg(long, value_name = "LOG", num_args = 1..)]
     log: Vec<PathBuf>,
-    /// A URDF or MJCF of the same arm that gets the numbers, in place of the robot's own file
+    /// Insert the numbers into this URDF or MJCF of the arm
     #[arg(long, value_name = "FILE")]
     into: Option<PathBuf>,
     #[command(flatten)]

@@ -19,32 +19,29 @@ use crate::answers::transmission::transmission_text;
 use crate::arguments::{KnownLoadArguments, LogArguments, columns, estimator, read_parameter_map};
 use crate::terminal::{Answer, Console, Ending, Table, Watch};
 
-const AFTER_HELP: &str = r#"A log is a recording of `armid run`, an MCAP of ROS 2 joint states, a table of any shape, or a
-TOML whose [log] table says what the columns are. Joint states need --map only for other names or units of
-joints, or for one of several topics. The headings t,q1..qn and
-tau1..taun (N·m) or current1..currentn (A) need no --map. Several logs go into one fit; tables whose
-columns --map names as file:heading are read side by side. Of logs of other tools the last
-fifth is held out, and the residual on it is reported. Where a mistake in the log explains its torque
-much better (degrees, signs, exchanged joints, gears, gravity, a joint at rest), it is named with the
-correction to try, and the exit status is 1.
+const AFTER_HELP: &str = "\
+A log is a recording of `armid run`, ROS 2 joint states, a table, or a TOML with a [log] table. Headings \
+t,q1..qn and tau1..taun or current1..currentn need no --map (`armid help map`). The last fifth of a third-\
+party log is kept for validation. A mistake in the log is named with its correction, and the exit status is \
+1.
 
 Examples:
   armid identify R.mcap -o E.json
   armid identify R.mcap --estimator ols,wls --json
   armid identify log.csv --robot crs-a460 --period 10 --from 3 -o E.json
-  armid identify log.csv --robot arm.urdf --map "t=time_ms, q=pos_[1-6] deg, tau=torque_[1-6]"
-  armid identify log.npz --robot arm.urdf --map "t=time, q=pos deg, tau=torque_[0-2]/-/torque_[4-5]"
-  armid identify pos.csv cur.csv --robot arm.toml --rate 1000 --map "q=pos:j[1-6], current=cur:j[1-6]"
-  armid identify bag --robot arm.urdf --map "topic=/arm/joint_states, q=joint[1-6], tau=joint[1-6] motor"
+  armid identify log.csv --robot arm.urdf --map \"t=time_ms, q=pos_[1-6] deg, tau=torque_[1-6]\"
+  armid identify log.npz --robot arm.urdf --map \"t=time, q=pos deg, tau=torque_[0-2]/-/torque_[4-5]\"
+  armid identify pos.csv cur.csv --robot arm.toml --rate 1000 --map \"q=pos:j[1-6], current=cur:j[1-6]\"
+  armid identify bag --robot arm.urdf --map \"topic=/arm/joint_states, q=joint[1-6], tau=joint[1-6] motor\"
   armid identify a.csv b.csv --robot crs-a460 --held-out c.csv -o E.json
-  armid identify log.csv --robot arm.toml --map "t=t, q=motor_[1-6] motor, q_link=link_[1-6], tau=torque_[1-6]"
+  armid identify log.csv --robot arm.toml --map \"t=t, q=motor_[1-6] motor, q_link=link_[1-6], tau=torque_[1-6]\"
   armid identify R.mcap --select -o E.json
   armid identify R.mcap --select=rigid+rotor+friction+stribeck --held-out other.mcap
   armid identify R.mcap --columns rigid+rotor+friction+stribeck --stribeck-speed
   armid identify --payload --without empty.csv --with loaded.csv --robot arm.urdf -o P.json
   armid identify --payload --without E.json --with loaded.csv
   armid identify --drive-gains --without A.mcap --with B.mcap --payload-mass 1 --payload-centre 0,0,0.06
-  armid identify --list"#;
+  armid identify --list";
 
 /// What `--select` without a list means.
 const ALL_TERMS: &str = "all";
@@ -64,19 +61,19 @@ fn candidates(text: &str) -> Result<Columns, Error> {
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP, group = clap::ArgGroup::new("of_two").args(["payload", "drive_gains"]))]
 pub(crate) struct Arguments {
-    /// The logs: MCAP, bags, tables (text, gzip, NumPy, Parquet), LeRobot folders, or TOML files with a [log] table
+    /// Logs: MCAP, bags, tables, LeRobot folders, or TOML files that describe them
     #[arg(required_unless_present_any = ["list", "payload", "drive_gains"], conflicts_with = "of_two", value_name = "LOG")]
     logs: Vec<PathBuf>,
-    /// Identify what the last link carries, from logs without it and with it
+    /// Estimate the payload, from logs without and with it
     #[arg(long, requires_all = ["without", "with"], conflicts_with = "held_out", help_heading = "Payload")]
     payload: bool,
-    /// Find the torque constants of all drives at once, from logs of motor currents without a load that is known and with it
+    /// Estimate all torque constants, from logs without and with a known payload
     #[arg(long, requires_all = ["without", "with"], conflicts_with_all = ["held_out", "estimator"], help_heading = "Payload")]
     drive_gains: bool,
-    /// Logs of the arm without its load; with --payload, an estimate of it will do
+    /// Logs without the payload; with --payload also an estimate
     #[arg(long, value_name = "LOG|E.json", num_args = 1.., requires = "of_two", help_heading = "Payload")]
     without: Vec<PathBuf>,
-    /// Logs of the arm with its load
+    /// Logs with the payload
     #[arg(long, value_name = "LOG", num_args = 1.., requires = "of_two", help_heading = "Payload")]
     with: Vec<PathBuf>,
     #[command(flatten)]
@@ -93,26 +90,20 @@ pub(crate) struct Arguments {
     /// Short for --columns rigid
     #[arg(long, conflicts_with = "columns")]
     no_friction: bool,
-    /// Estimate with the torque terms that the data decide, among all or among =COLUMNS: by F-test, BIC and torque that is not
-    /// fitted. The onset of Coulomb friction is always among them. A warming gear and a lag of the currents are tested beside them and are no
-    /// columns of the estimate
+    /// Select the torque terms that the data support, among all or COLUMNS
     #[arg(long, value_name = "COLUMNS", num_args = 0..=1, require_equals = true, default_missing_value = ALL_TERMS,
         conflicts_with_all = ["columns", "no_friction", "of_two"])]
     select: Option<String>,
-    /// Find the speed at which the friction of each joint falls that has a Stribeck column, and estimate with these speeds in place of those
-    /// of the robot file
+    /// Estimate the Stribeck velocity of each joint
     #[arg(long, conflicts_with_all = ["select", "no_friction", "of_two"])]
     stribeck_speed: bool,
-    /// Find the speed in which the Coulomb friction of each joint sets in, or take that of the robot file; by default it is found for logs of other
-    /// tools without periods, and used where it predicts better
+    /// Onset speed of Coulomb friction: from the log or the robot file
     #[arg(long, value_name = "WHICH", value_parser = ["found", "stated"], conflicts_with_all = ["no_friction", "of_two"])]
     onset_speed: Option<String>,
-    /// What is held out and only predicted: a part such as 30%, none, or another log; by default the last fifth of a log of
-    /// another tool
+    /// Data kept for validation: a share (30%), none, or another log
     #[arg(long, value_name = "PART|LOG", help_heading = "Logs")]
     held_out: Option<String>,
-    /// Parameters that the estimators which simulate the arm begin with, in place of the weighted linear fit: name → value,
-    /// TOML or JSON
+    /// Initial parameters of estimators that simulate, TOML or JSON
     #[arg(long, value_name = "P", conflicts_with = "of_two")]
     start: Option<PathBuf>,
     #[command(flatten)]

@@ -14,8 +14,8 @@ use crate::arguments::ChainArguments;
 use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
-The folder holds a copy of the URDF, a robot.toml with every gap of the URDF marked, an experiment,
-the columns of the log, and a README with the next commands. Nothing that is there is written over.
+The folder gets a copy of the URDF, a robot.toml with every gap marked, an experiment, the columns of a log, \
+and a README with the next commands. Existing files are kept.
 
 Examples:
   armid init arm.urdf                       makes the folder arm

@@ -1,5 +1,6 @@
 //! The commands, one file each.
 
+mod advise;
 mod agree;
 mod calibrate;
 mod command;
@@ -22,6 +23,7 @@ mod robot;
 mod run;
 mod validate;
 mod study;
+mod topic;
 mod trajectory;
 
 pub(crate) use command::{Command, carry_out};

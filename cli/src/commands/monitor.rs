@@ -15,8 +15,8 @@ use crate::monitor::text;
 use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
-It receives the robot's joint states, the state of its controller and the reports of the guard of
-the run, and sends nothing, no acknowledgements either: it cannot delay the run. Ctrl-C ends it.
+It receives joint states, the state of the controller and the reports of the run's guard. It sends nothing, \
+not even acknowledgements, so it cannot delay the run. Ctrl-C ends it.
 
 Examples:
   armid monitor experiment.toml
@@ -31,7 +31,7 @@ pub(crate) struct Arguments {
     /// ROS domain, in place of the file's
     #[arg(long)]
     domain: Option<u16>,
-    /// Print what was seen once and end; so where standard output is no terminal
+    /// Print the state once, then end
     #[arg(long)]
     once: bool,
     /// How long to listen before that, s

@@ -7,6 +7,7 @@ impl Command {
     pub(crate) const fn next_step(&self) -> &'static str {
         match self {
             Self::Robot(_) => "`armid robot` lists the bundled robots, `armid robot crs-a460` describes one",
+            Self::Advise(_) => "`armid robot ROBOT` checks the robot alone, `armid advise --help` shows examples",
             Self::Init(_) => "`armid robot ROBOT` checks the robot alone, `armid init --help` shows examples",
             Self::Agree(_) => "`armid robot ROBOT` checks the robot alone, `armid doctor` says which engines are here",
             Self::Reduce(_) => "`armid robot ROBOT` checks the robot alone, `armid reduce --help` shows examples",
@@ -38,6 +39,7 @@ impl Command {
             }
             Self::Doctor(_) => "`armid doctor --help` says what is looked at",
             Self::Completions(_) => "`armid completions --help` lists the shells",
+            Self::Topic(_) => "`armid --help` lists the commands",
         }
     }
 }

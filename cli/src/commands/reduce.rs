@@ -12,10 +12,9 @@ use crate::arguments::{RobotArguments, columns, one_of};
 use crate::terminal::{Align, Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
-The methods give the same base parameters: `structural` is a recursion over the links without random
-numbers, `qr` factorises a regressor of random states, `paper` takes steps 1 to 5 of Radkhah et al.
-(2007). Columns that no torque sensor tells from the others, by 1e-6 over random states, are left out
-with a finding. With --trajectory the categories are those of that motion alone (`paper` or `qr`).
+All methods give the same base parameters: `structural` walks over the links without random numbers, `qr` \
+factorises the regressor of random states, `paper` follows Radkhah et al. (2007). Columns that no torque \
+sensor can tell apart (below 1e-6) are left out with a finding.
 
 Examples:
   armid reduce crs-a460
@@ -35,7 +34,7 @@ pub(crate) struct Arguments {
     /// Categories for this trajectory: a TOML file, or table-one
     #[arg(long, value_name = "T.toml")]
     trajectory: Option<String>,
-    /// How the robot's base moves; its motion is known, the force on it is not
+    /// Motion of the base: known, without a measured base force
     #[arg(long, default_value = "fixed", value_parser = one_of(&BaseMotion::ALL, BaseMotion::name))]
     base: BaseMotion,
     /// Which parameters the model has

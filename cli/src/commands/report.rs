@@ -16,10 +16,9 @@ use crate::arguments::ChainArguments;
 use crate::terminal::{Answer, Console, Ending, Watch};
 
 const AFTER_HELP: &str = "\
-Everything that the report of a study shows is stored by `armid study`; this redraws it and computes
-nothing. Of an estimate it shows measured against predicted torque, the residual over time and over
-velocity, the parameters with their intervals, and a verdict with its reason; the logs are read again
-from where they were, or from beside the estimate.
+The page of a study is drawn again from stored results; nothing is computed. The page of an estimate shows \
+measured and predicted torque, residuals, parameters with intervals, and a verdict with its reason. Its logs \
+are read again.
 
 Examples:
   armid report reports/01-criteria
@@ -34,16 +33,16 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
-    /// Folders that `armid study` wrote, files of `armid identify`, or with --figure its numbers
+    /// Folders of `armid study`, files of `armid identify`, or figure numbers
     #[arg(required_unless_present = "compare", value_name = "DIR|FILE")]
     folders: Vec<PathBuf>,
-    /// Compare two estimates: JSON files of `armid identify`, or folders with estimate.json and validation.json
+    /// Compare two estimates: JSON files of `identify`, or folders
     #[arg(long, num_args = 2, value_names = ["A", "B"], conflicts_with = "folders")]
     compare: Option<Vec<PathBuf>>,
-    /// The robot of the estimates, where its file is no longer where they say
+    /// Robot of the estimates, if its file was moved
     #[arg(long, conflicts_with = "compare")]
     robot: Option<String>,
-    /// Draw one figure over several studies, a panel for each, and store its numbers beside it
+    /// Draw one figure of several studies, a panel for each
     #[arg(long, conflicts_with_all = ["compare", "robot"])]
     figure: Option<Figure>,
     #[command(flatten)]

@@ -9,7 +9,9 @@ use armid::excitation::{Certificate, VerificationError, verify_certificate, veri
 use armid::experiment::{Ending as PlanEnding, Sink};
 use armid_hardware::guard::fastest_point;
 use armid_io::Error as Fault;
+use armid_io::output::write_text;
 use armid_io::recording::{CsvSink, FileSink, McapSink, beside, check_free, part_of};
+use armid_reports::{Figure, poses_figure};
 use miette::Result;
 
 use crate::answers::run::{Done, answer};
@@ -46,8 +48,8 @@ EXPERIMENT is a TOML file, a folder with experiment.toml, or a bundled name:
   [ros2]                        # how to reach a real arm
   domain = 0                    # and network, namespace, topics, mode: trajectory, topic or stream
 
-R.mcap opens in any tool that reads ROS 2 joint states; -o R.csv writes t,q1..,current1.. (or
-tau1..). It is written to R.mcap.part and renamed when the experiment is complete.
+R.mcap opens in any tool that reads ROS 2 joint states; -o R.csv writes t,q1..,current1.. (or tau1..). It is \
+R.mcap.part until the experiment is complete.
 
 Examples:
   armid run experiment.toml -o R.mcap
@@ -57,8 +59,8 @@ Examples:
   armid run experiment.toml --arm ros2 --first-run -o R.mcap     # 10 %, 50 %, 100 % of the speed
   armid run experiment.toml --arm ros2 --earlier R.mcap -o next.mcap
 
-Exit status: 0 done, 1 a guard tripped and the arm was seen at rest, 2 refused before anything moved,
-3 NOT CONFIRMED: the arm was asked to stop and was not seen at rest, 130 interrupted, at rest.";
+Exit status: 0 done, 1 a guard tripped and the arm was seen at rest, 2 refused before anything moved, 3 NOT \
+CONFIRMED: the arm was asked to stop and was not seen at rest, 130 interrupted, at rest.";
 
 /// The warning where the arm was not seen at rest.
 const NOT_CONFIRMED: &str = "NOT CONFIRMED: the arm was asked to stop and was not seen at rest. It may still be moving: \
@@ -82,15 +84,14 @@ pub(crate) struct Arguments {
     /// Recorded periods, in place of the file's
     #[arg(long)]
     periods: Option<usize>,
-    /// Continue what was cut short: keep the whole periods of R.mcap.part and perform those that are missing; of a first
-    /// run, keep the speeds that are done
+    /// Resume R.mcap.part at its first missing period
     #[arg(long)]
     resume: bool,
     #[command(flatten)]
     guarding: GuardArguments,
     #[command(flatten)]
     meshes: MeshArguments,
-    /// Panic after so many states: what a defect of armid itself does to an arm, in builds for tests alone
+    /// Panic after so many states, in builds for tests
     #[cfg(debug_assertions)]
     #[arg(long, value_name = "STATES", hide = true)]
     panic_after: Option<usize>,
@@ -148,6 +149,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         if experiment.arm == ArmKind::Ros2 {
             speed::check_earlier(&experiment, speed, &motion, &earlier)?;
             if experiment.confirmation.is_none() {
+                show_poses(&experiment, &path, console)?;
                 real_time::advise(console);
                 experiment.confirmation = Some(arguments.guarding.confirmation(experiment.planned.robot.robot.name())?);
             }
@@ -174,6 +176,18 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         PlanEnding::Stopped { .. } => Ending::Interrupted,
         PlanEnding::Diverged { .. } | PlanEnding::Tripped { .. } => Ending::Negative,
     }))
+}
+
+/// Draws how the arm will move, before anybody is asked whether it may.
+fn show_poses(experiment: &Experiment, recording: &Path, console: &Console) -> Result<()> {
+    let figure = poses_figure(&experiment.planned.robot.robot, &experiment.planned.plan.trajectory);
+    let mut place = recording.with_extension("").into_os_string();
+    place.push("-poses.svg");
+    let place = PathBuf::from(place);
+    let svg = figure.svg().map_err(|fault| Fault::new(format!("the poses cannot be drawn: {fault}")))?;
+    write_text(&place, &svg)?;
+    console.note(&format!("how the arm will move: {}", place.display()));
+    Ok(())
 }
 
 /// The speeds to go through, in order: below the limit of `--reduced-speed`, each once, in periods of whole samples.

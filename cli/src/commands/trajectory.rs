@@ -15,15 +15,14 @@ use crate::arms::Speed;
 use crate::terminal::{Answer, Console, Ending, Table, number, report_folder};
 
 const AFTER_HELP: &str = "\
-FILE is an experiment, or a trajectory alone. The motion of an experiment begins and ends at rest.
-Its limits of position, speed and acceleration are checked. A trajectory alone gets --settle, --ramp
-and --periods, and --robot names the arm whose limits it must keep.
+FILE is an experiment, or a trajectory alone. A trajectory alone gets --settle, --ramp and --periods, and \
+--robot names the arm whose limits of position, speed and acceleration are checked.
 
   csv               t,q1..qn,qd1..qdn,qdd1..qddn in s, rad, rad/s, rad/s² (m)
   joint-trajectory  trajectory_msgs/JointTrajectory of ROS 2, as JSON, which is YAML too
   urscript          a program for Universal Robots: movej to the beginning, then servoj
 
-The arm has to stand where the motion begins. armid guards nothing here: the controller has to.
+The arm must stand where the motion begins. armid guards nothing here: the controller has to.
 
 Examples:
   armid trajectory sample T.toml --robot arm.urdf --rate 500 -o points.csv
@@ -56,7 +55,7 @@ struct Sample {
     /// Format of the file
     #[arg(long, default_value = "csv", value_parser = one_of(&PointFormat::ALL, PointFormat::name))]
     to: PointFormat,
-    /// Part of the speed of the motion, such as 10%: the same path, more slowly
+    /// Share of the designed speed, such as 10%, on the same path
     #[arg(long, value_name = "PERCENT")]
     speed: Option<Speed>,
     /// Periods of the motion

@@ -15,14 +15,9 @@ use crate::arguments::LogArguments;
 use crate::terminal::{Answer, Console, Ending, Table, Watch};
 
 const AFTER_HELP: &str = "\
-The verdict is `passed` (exit 0) where every joint's difference, as a share of its measured
-effort's RMS, is within --limit, and `failed` (exit 1) otherwise. It is taken over the rows that
-would be used for a fit: those where the joint moves faster than 2 % of its top speed and no channel
-is faulty. The shares over all rows and in total, below a fixed --bandwidth-hz, are listed beside it.
-Robot, mapping and processing are those of the estimate unless others are given; its paths are looked for
-from the current folder, then beside E.json. A log of the fit itself is remarked upon: it validates nothing.
-A URDF or MJCF in the place of an estimate is predicted with as it is, with its own inertias, damping,
-friction and armature; --base-link and --tip-link say which chain of it moves.
+The verdict is `passed` (exit 0) if the error of every joint is within --limit of its measured RMS, else \
+`failed` (exit 1). Rows that a fit would leave out do not count; errors over all rows are listed too. \
+Mapping and processing are those of the estimate. A URDF or MJCF predicts with its own parameters.
 
 Examples:
   armid validate E.json other.mcap
@@ -33,7 +28,7 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
-    /// The estimate, a JSON file of `armid identify`, or a model: a URDF or MJCF
+    /// An estimate (JSON of `armid identify`), or a URDF or MJCF
     estimate: PathBuf,
     /// The logs: MCAP, tables, or TOML files with a [log] table
     #[arg(required = true, value_name = "LOG")]

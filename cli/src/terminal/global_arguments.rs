@@ -14,7 +14,7 @@ pub(crate) struct GlobalArguments {
     /// More detail
     #[arg(short, long, global = true, help_heading = "Output")]
     pub(crate) verbose: bool,
-    /// Output, in place of the default: a file or a folder, or - for standard output
+    /// Output file or folder, or - for standard output
     #[arg(short, long, global = true, value_name = "PATH", help_heading = "Output")]
     pub(crate) output: Option<PathBuf>,
 }

@@ -407,3 +407,38 @@ fn weighted(values: &DVector<f64>, weights: &[f64]) -> DVector<f64> {
 fn scaled(rows: &DMatrix<f64>, weights: &[f64]) -> DMatrix<f64> {
     DMatrix::from_fn(rows.nrows(), rows.ncols(), |row, column| rows[(row, column)] * weights[row % weights.len()])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_gains_that_are_wrong_or_hidden() {
+        let gain = |value: f64, std: f64, ci95: Option<[f64; 2]>| DriveGain { value, std: Some(std), ci95 };
+        let mut gains = DriveGains {
+            method: GainMethod::Total,
+            gains: vec![
+                gain(1.23, 0.1, Some([1.03, 1.43])),
+                gain(0.7, 0.1, Some([0.5, 0.9])),
+                gain(0.9, 0.6, Some([-0.3, 2.1])),
+                gain(1.0, f64::INFINITY, Some([0.1, f64::INFINITY])),
+                gain(1.0, 0.1, None),
+            ],
+            beta: DVector::zeros(0),
+            degrees_of_freedom: Some(1e9),
+            termination: Termination::Direct,
+        };
+        // The quantile of a normal distribution at 1 − 0.025/5 is 2.576: 2.3 deviations are not enough, 3 are.
+        assert_eq!((gains.wrong(), gains.hidden()), (vec![1], vec![2, 3, 4]));
+        gains.degrees_of_freedom = None;
+        assert!(gains.wrong().is_empty());
+    }
+
+    #[test]
+    fn analytic_rows_are_weighted_by_joint() {
+        let rows = DMatrix::from_row_slice(3, 2, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert_eq!(scaled(&rows, &[2.0, 10.0]), DMatrix::from_row_slice(3, 2, &[2.0, 4.0, 30.0, 40.0, 10.0, 12.0]));
+        let values = rows.column(0).into_owned();
+        assert_eq!(weighted(&values, &[2.0, 10.0]), DVector::from_vec(vec![2.0, 30.0, 10.0]));
+    }
+}

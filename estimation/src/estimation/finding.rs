@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::residual_shape::{Against, probability};
 use super::termination::Termination;
+use crate::number::significant;
 
 /// Something that does not stop an estimator and must not be overlooked; carries the number that was measured.
 ///
@@ -214,30 +215,28 @@ impl Finding {
         match self {
             Self::PoorlyDetermined { .. } => "do not interpret them one by one; predicted torque depends on their sums",
             Self::LargeCondition { .. } => {
-                "the motion excites the parameters unevenly: trust torque, and not single parameters"
+                "the motion excites the parameters unevenly: trust predicted torque, not single parameters"
             }
             Self::ResidualAboveNoise { .. } => {
-                "the model misses something: friction law, torque constant, flexibility, or too narrow a filter; the \
-                 intervals hold what the residual shows of it"
+                "the model has an error: friction law, torque constant, elasticity, or too narrow a filter; the intervals \
+                 include what the residual shows of it"
             }
             Self::LackOfFit { .. } => {
-                "look at the figures of the residual in the report for a law that the model lacks; thousandths of the torque \
-                 may be the encoders' counts, which repeat with the motion. The intervals hold what the residual shows of it"
+                "look for a missing term in the residual figures of the report; thousandths of the torque may be encoder \
+                 counts, which repeat with the motion. The intervals include what the residual shows of it"
             }
-            Self::ResidualCorrelated { .. } => "check the residual over time and over velocity for what is missing",
+            Self::ResidualCorrelated { .. } => "look for a missing term in the residual over time and over velocity",
             Self::FewPeriods { .. } => "take the intervals as rough",
             Self::NoNoise => "judge the estimate by its held-out torque",
-            Self::NoiseFromResidual => "the intervals hold what the residual shows of both",
+            Self::NoiseFromResidual => "the intervals include what the residual shows of both",
             Self::NearlyDependent { .. } => {
                 "check the geometry: axes that should be parallel, perpendicular or meet may be off by a rounding of the file"
             }
-            Self::Outliers { .. } => {
-                "look at these instants: a collision, a slip of the clock, or a law the model lacks"
-            }
-            Self::LeftOut { .. } => "its interval is that of the full model",
-            Self::MotionTakenAsExact => "compare with `wls`, which takes it as exact as well",
+            Self::Outliers { .. } => "look at these instants: a collision, a slip of the clock, or a missing term",
+            Self::LeftOut { .. } => "its interval comes from the full model",
+            Self::MotionTakenAsExact => "compare with `wls`, which also assumes an exact motion",
             Self::HeldBack { .. } => {
-                "beyond the limit, equations and constraint contradict each other: look for a torque that the model lacks"
+                "above the limit, data and constraint contradict each other: look for a missing term"
             }
             Self::BeyondShape { .. } => {
                 "make the shape in the robot file hold the whole link, or correct its nominal body"
@@ -245,14 +244,14 @@ impl Finding {
             Self::DurbinWuHausman { statistic, limit, largest_change: Some(change), .. }
                 if *statistic > *limit && *change < 1.0 =>
             {
-                "`wls` will do: its bias is below what is known of every parameter"
+                "use `wls`: its bias is below the standard deviation of every parameter"
             }
             Self::DurbinWuHausman { statistic, limit, .. } if *statistic > *limit => {
-                "instruments are needed, unless the model misses something: compare with `wls`"
+                "use instruments, unless the model has an error: compare with `wls`"
             }
-            Self::DurbinWuHausman { .. } => "instruments are not needed here: `wls` has the shorter intervals",
+            Self::DurbinWuHausman { .. } => "use `wls`, which has the shorter intervals",
             Self::HiddenFromPositions { nominal: false, .. } => {
-                "their values and intervals are those of `wls`, by measured torque"
+                "their values and intervals are those of `wls`, from measured torque"
             }
             Self::HiddenFromPositions { nominal: true, .. } => {
                 "do not use their values, nor their intervals, whose widths alone are those of `wls`: look for what makes an arm \
@@ -265,9 +264,9 @@ impl Finding {
                 "the estimate is that of the whole motion all the same; an arm with the parameters of `wls` runs away: look for a \
                  sign, a unit or a torque constant first"
             }
-            Self::Impossible { .. } => "identify with selected terms: that looks for the term that the model lacks",
+            Self::Impossible { .. } => "identify with selected terms, to find the missing one",
             Self::InconsistentLink { .. } | Self::NegativeDrive { .. } => {
-                "an export fits bodies and drives that can be real to the log; simulate with its file"
+                "simulate with an exported file: its bodies and drives are fitted so that they are possible"
             }
         }
     }
@@ -277,27 +276,31 @@ impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::PoorlyDetermined { parameter, value, std, unit } => {
-                write!(f, "{parameter} = {value:.3e} {unit} has a standard deviation of {std:.3e} {unit}")
+                write!(f, "{parameter} = {} ± {} {unit} (standard deviation)", three(*value), three(*std))
             }
             Self::LargeCondition { condition_scaled } => {
-                write!(f, "condition number {condition_scaled:.0} with columns of unit length")
+                write!(f, "the column-normalised condition number is {condition_scaled:.0}")
             }
             Self::ResidualAboveNoise { joint, residual_rms, expected_rms, ratio, unit } => write!(
                 f,
-                "joint {joint}: residual {residual_rms:.3e} {unit} is {ratio:.1} times the {expected_rms:.3e} {unit} \
-                 expected of noise"
+                "joint {joint}: the residual, {} {unit} RMS, is {ratio:.1} times that of noise alone ({} {unit})",
+                three(*residual_rms),
+                three(*expected_rms)
             ),
             Self::LackOfFit { joint, beyond_noise_rms, noise_rms, torque_rms, p_adjusted, most, unit } => {
                 write!(
                     f,
-                    "joint {joint}: its own fit leaves {beyond_noise_rms:.2e} {unit}, {:.2} % of its torque, beside \
-                     {noise_rms:.2e} {unit} of noise ({})",
-                    100.0 * beyond_noise_rms / torque_rms,
+                    "joint {joint}: neither model nor noise explains {} {unit} RMS ({} % of the joint's torque; noise {} \
+                     {unit}; {})",
+                    three(*beyond_noise_rms),
+                    three(100.0 * beyond_noise_rms / torque_rms),
+                    three(*noise_rms),
                     probability(*p_adjusted)
                 )?;
                 let Some(MisfitPart { against, range: [from, to], range_unit, rms }) = most else { return Ok(()) };
                 let variable = against.name();
-                write!(f, "; most at a {variable} of {from:.3} to {to:.3} {range_unit}: {rms:.2e} {unit}")
+                let (from, to, rms) = (three(*from), three(*to), three(*rms));
+                write!(f, "; largest at a {variable} of {from} to {to} {range_unit}: {rms} {unit}")
             }
             Self::ResidualCorrelated { joint, correlation, expected } => write!(
                 f,
@@ -316,27 +319,34 @@ impl fmt::Display for Finding {
             Self::InconsistentLink { link, eigenvalue } => {
                 write!(
                     f,
-                    "link {link} is physically inconsistent: its pseudo-inertia has the eigenvalue {eigenvalue:.3e}"
+                    "link {link} is physically inconsistent: its pseudo-inertia has the eigenvalue {}",
+                    three(*eigenvalue)
                 )
             }
             Self::Outliers { joint, outliers, equations, scale, unit } => write!(
                 f,
-                "joint {joint}: {outliers} of {equations} equations are beyond 5 robust standard deviations of {scale:.3e} \
-                 {unit}"
+                "joint {joint}: {outliers} of {equations} equations are beyond 5 robust standard deviations of {} {unit}",
+                three(*scale)
             ),
             Self::LeftOut { parameter, value, std, unit } => {
-                write!(f, "{parameter} is left out: {value:.3e} ± {std:.3e} {unit} where it is not")
+                write!(
+                    f,
+                    "{parameter} is set to zero: its estimate, {} ± {} {unit}, is not significantly different from zero",
+                    three(*value),
+                    three(*std)
+                )
             }
             Self::MotionTakenAsExact => {
                 write!(
                     f,
-                    "no noise of positions is known: the motion is taken as exact, as weighted least squares does"
+                    "the noise of positions is unknown: the motion is assumed exact, as in weighted least squares"
                 )
             }
             Self::HeldBack { chi_squared, limit } => write!(
                 f,
-                "the estimate is held back from that of the equations alone, by a chi squared of {chi_squared:.3e}; noise \
-                 alone stays below {limit:.3e}"
+                "the constraint moves the estimate away from the data: χ² = {}, and noise alone stays below {} (95 %)",
+                three(*chi_squared),
+                three(*limit)
             ),
             Self::BeyondShape { link } => {
                 write!(f, "the nominal body of link {link} reaches beyond its shape, which does not bound the estimate")
@@ -349,7 +359,7 @@ impl fmt::Display for Finding {
                     if statistic > limit {
                         "errors of the motion bias"
                     } else {
-                        "no errors of the motion are seen to bias"
+                        "errors of the motion do not detectably bias"
                     }
                 )?;
                 match largest_change {
@@ -361,10 +371,10 @@ impl fmt::Display for Finding {
             }
             Self::HiddenFromPositions { combinations, parameters, nominal } => write!(
                 f,
-                "positions under this servo do not show {combinations} combinations of parameters, of {}{}",
+                "positions alone do not determine {combinations} combinations of {} under this servo{}",
                 parameters.join(", "),
                 if *nominal {
-                    "; they keep nominal values, since an arm with those of `wls` cannot be simulated"
+                    "; they keep nominal values, because an arm with those of `wls` cannot be simulated"
                 } else {
                     ""
                 }
@@ -376,10 +386,16 @@ impl fmt::Display for Finding {
             ),
             Self::Impossible { parameters } => write!(
                 f,
-                "{} below zero by more than 3 standard deviations, as of no arm: errors of the model, whose intervals are withheld",
+                "{} below zero by more than 3 standard deviations, which no arm has: the model is wrong there, and their \
+                 intervals are withheld",
                 parameters.join(", ")
             ),
-            Self::NegativeDrive { parameter, value } => write!(f, "{parameter} = {value:.3e} is negative"),
+            Self::NegativeDrive { parameter, value } => write!(f, "{parameter} = {} is negative", three(*value)),
         }
     }
+}
+
+/// With three significant digits.
+fn three(value: f64) -> String {
+    significant(value, 3)
 }

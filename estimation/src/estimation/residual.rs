@@ -91,3 +91,21 @@ pub(super) fn neighbour_correlation(r: &[f64], dof: usize) -> Vec<f64> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_sums_of_two_joints() {
+        let r = [3.0, 1.0, 4.0, 7.0, 0.0, 2.0];
+        let used = [true, true, true, false, false, true];
+        let rms = joint_rms(&r, &used, 2);
+        assert!((rms[0] - 12.5_f64.sqrt()).abs() < 1e-15 && (rms[1] - 2.5_f64.sqrt()).abs() < 1e-15, "{rms:?}");
+        assert_eq!(joint_rms(&r, &[false; 6], 2), [0.0, 0.0]);
+        // 3·4 + 4·0 over 9 + 16, and 1·7 + 7·2 over 1 + 49 + 4.
+        let correlation = neighbour_correlation(&r, 2);
+        assert!((correlation[0] - 12.0 / 25.0).abs() < 1e-15 && (correlation[1] - 21.0 / 54.0).abs() < 1e-15);
+        assert_eq!(neighbour_correlation(&[0.0, 1.0, 0.0, 0.0], 2), [0.0, 0.0]);
+    }
+}

@@ -84,3 +84,55 @@ impl ClosedLoop for StiffLoop {
         Ok((self.motion(parameters, observer)?, ClosedLoopSlopes { q, tau }))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chains::{random_robot, random_state};
+    use crate::dynamics::Dynamics;
+    use crate::observer::Unobserved;
+    use crate::seed::Seed;
+
+    #[test]
+    fn identity_motion_follows_inverse_dynamics_and_slopes_are_its_differences() {
+        let mut rng = Seed::new(5).stream("stiff", 0);
+        let ((robot, own), (_, other)) = (random_robot(&mut rng, 2), random_robot(&mut rng, 2));
+        let mut states = States::new(2);
+        for _ in 0..4 {
+            let (q, qd, qdd) = random_state(&mut rng, 2);
+            states.push(&q, &qd, &qdd);
+        }
+        let torque = |parameters: &StandardParameters| {
+            let (mut all, mut tau, mut dynamics) = (Vec::new(), [0.0; 2], Dynamics::new(&robot, parameters));
+            for k in 0..states.len() {
+                dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), &mut tau);
+                all.extend(tau);
+            }
+            all
+        };
+        let columns = Columns::RIGID_ROTOR_FRICTION;
+        let stiff = StiffLoop::new(&robot, columns, &own, other.clone(), states.clone(), 1e-3);
+        let found = stiff.motion(&other, &Unobserved).unwrap();
+        let (tau, expected) = (torque(&own), torque(&other));
+        for i in 0..tau.len() {
+            assert!((found.tau[i] - expected[i]).abs() < 1e-10 * expected[i].abs().max(1.0));
+            assert!((found.states.q[i] - states.q[i] - 1e-3 * (tau[i] - expected[i])).abs() < 1e-12);
+        }
+        // Linear in the parameters: a difference over one unit is the slope. Means of two samples.
+        let by: Vec<ParameterId> = columns.parameters(&robot).into_iter().step_by(3).collect();
+        let (_, slopes) = stiff.slopes(&other, &by, 2, &Unobserved).unwrap();
+        for (column, &id) in by.iter().enumerate() {
+            let mut moved = other.clone();
+            moved.set(id, other.get(id) + 1.0);
+            let moved = stiff.motion(&moved, &Unobserved).unwrap();
+            for (row, (by_q, by_tau)) in slopes.q.column(column).iter().zip(&slopes.tau.column(column)).enumerate() {
+                let mean = |a: &[f64], b: &[f64]| {
+                    let at = |k: usize| a[2 * k + row % 2] - b[2 * k + row % 2];
+                    0.5 * (at(row / 2 * 2) + at(row / 2 * 2 + 1))
+                };
+                assert!((by_tau - mean(&moved.tau, &found.tau)).abs() < 1e-9);
+                assert!((by_q - mean(&moved.states.q, &found.states.q)).abs() < 1e-9);
+            }
+        }
+    }
+}

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::number::significant;
+
 /// How an iteration came to its result; the last iterate is the result in every case.
 ///
 /// ```
@@ -83,11 +85,19 @@ impl fmt::Display for Termination {
                 write!(f, "optimal after {iterations} iterations, to {gap:.0e} of the objective")
             }
             Self::IterationLimit { iterations, last_step } => {
-                write!(f, "stopped after {iterations} iterations, the last step {last_step:.1e} of the iterate")
+                write!(
+                    f,
+                    "stopped after {iterations} iterations, the last step was {} of the iterate",
+                    significant(*last_step, 2)
+                )
             }
             Self::Interrupted { iterations } => write!(f, "interrupted after {iterations} iterations"),
             Self::Stalled { iterations, last_step } => {
-                write!(f, "stalled after {iterations} iterations, the last step {last_step:.1e} of the iterate")
+                write!(
+                    f,
+                    "stalled after {iterations} iterations, the last step was {} of the iterate",
+                    significant(*last_step, 2)
+                )
             }
             Self::Unsimulable { iterations } => write!(
                 f,

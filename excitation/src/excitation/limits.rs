@@ -152,17 +152,18 @@ mod tests {
         let mut robot = chains::planar_2r();
         robot = chains::with_limits(
             &robot,
-            Limits { position: (-1.0, 2.0), velocity: 2.0, acceleration: 4.0, torque: 10.0, ..Limits::NONE },
+            Limits { position: (-1.0, 2.0), velocity: 2.0, acceleration: 4.0, jerk: 8.0, torque: 10.0, ..Limits::NONE },
         );
         let joint = |a: f64, q0: f64| FourierJoint { name: String::new(), a: vec![a], b: vec![0.0], q0 };
         let period = std::f64::consts::TAU;
         let series = FourierTrajectory { period_s: period, joints: vec![joint(1.0, 0.5), joint(0.5, 1.6)] };
         let trajectory = series.clone().into();
-        // Amplitude 1 in all three for joint 1, 0.5 for joint 2, whose mean is 1.1 off the middle of a range of ±1.5.
+        // Amplitude 1 in all four for joint 1, 0.5 for joint 2, whose mean is 1.1 off the middle of a range of ±1.5.
         let position = worst_use(&robot, &trajectory, Quantity::Position);
         assert!((position.ratio - 1.6 / 1.5).abs() < 1e-12 && position.joint == 1 && position.limit == 2.0);
         assert!((worst_use(&robot, &trajectory, Quantity::Velocity).ratio - 0.5).abs() < 1e-12);
         assert!((worst_use(&robot, &trajectory, Quantity::Acceleration).ratio - 0.25).abs() < 1e-12);
+        assert!((worst_jerk(&robot, &trajectory).unwrap().ratio - 0.125).abs() < 1e-12);
         let mut inside = trajectory;
         shrink_into_limits(&robot, &mut inside, &Margins::default());
         let PeriodicTrajectory::Fourier(inside) = inside else { panic!("another family") };
@@ -174,7 +175,8 @@ mod tests {
     fn identity_shrunk_trajectories_are_inside() {
         let mut rng = Seed::new(8).stream("shrink", 0);
         let (robot, _) = chains::random_robot(&mut rng, 3);
-        let limits = Limits { position: (-0.7, 1.9), velocity: 1.5, acceleration: 5.0, torque: 1.0, ..Limits::NONE };
+        let limits =
+            Limits { position: (-0.7, 1.9), velocity: 1.5, acceleration: 5.0, jerk: 12.0, torque: 1.0, ..Limits::NONE };
         let robot = chains::with_limits(&robot, limits);
         for _ in 0..50 {
             let mut draw = |size: f64| (0..4).map(|_| rng.random_range(-size..size)).collect::<Vec<f64>>();
@@ -187,6 +189,7 @@ mod tests {
             for quantity in Quantity::ALL {
                 assert!(worst_use(&robot, &trajectory, quantity).ratio < 0.9 + 1e-9);
             }
+            assert!(worst_jerk(&robot, &trajectory).unwrap().ratio < 0.9 + 1e-9);
         }
     }
 }

@@ -263,6 +263,11 @@ mod tests {
         };
         assert!((most(20.0) - jerk.unwrap().ratio.max(on_period.ratio)).abs() < 1e-6, "{} {jerk:?}", most(20.0));
         assert!((most(12.566) - acceleration.unwrap().ratio).abs() < 1e-6, "{} {acceleration:?}", most(12.566));
+        for used in [acceleration.unwrap(), jerk.unwrap()] {
+            assert!((used.value / used.limit - used.ratio).abs() < 1e-12, "{used:?}");
+        }
+        // A row for each excess, and none for what is inside.
+        assert!(rows.iter().all(|row| row.bound < 0.0));
         // Both rows were needed.
         assert!(acceleration.unwrap().ratio > 1.1 && jerk.unwrap().ratio > 1.1, "{acceleration:?} {jerk:?}");
     }

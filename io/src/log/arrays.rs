@@ -4,7 +4,9 @@ use armid::input::size::JOINTS;
 use armid::model::EffortInterface;
 
 use super::Log;
+use super::origin::Origin;
 use super::raw_log::RawLog;
+use super::servo::Servo;
 use crate::error::Error;
 
 /// When the rows of arrays were sampled.
@@ -33,10 +35,12 @@ pub struct LogArrays {
     pub qd: Option<Vec<f64>>,
     /// Positions behind the transmissions, rad (m), N × n, where they are measured too.
     pub link_q: Option<Vec<f64>>,
-    /// Torques, N·m (N), or motor currents, A, N × n.
+    /// Torques, N·m (N), or motor currents, A, N × n; commanded positions, rad (m), where there is a servo.
     pub effort: Vec<f64>,
     /// Which of the two; as the robot file says where `None`.
     pub effort_unit: Option<EffortInterface>,
+    /// What makes torques of commanded positions.
+    pub servo: Option<Servo>,
 }
 
 impl Log {
@@ -59,6 +63,7 @@ impl Log {
     ///     link_q: None,
     ///     effort: tau,
     ///     effort_unit: None,
+    ///     servo: None,
     /// };
     /// let log = Log::from_arrays(arrays.clone())?;
     /// assert_eq!((log.dof, log.rate_hz, log.segments[0].samples), (1, 100.0, 100));
@@ -66,7 +71,7 @@ impl Log {
     /// # Ok::<(), armid_io::Error>(())
     /// ```
     pub fn from_arrays(arrays: LogArrays) -> Result<Self, Error> {
-        let LogArrays { name, joints, dof, time, q, qd, link_q, effort, effort_unit } = arrays;
+        let LogArrays { name, joints, dof, time, q, qd, link_q, mut effort, mut effort_unit, servo } = arrays;
         JOINTS.check_count("number of joints", dof)?;
         if dof == 0 || q.len() % dof != 0 {
             let message = format!("{name}: q has {} values, expected as many for each of {dof} joints", q.len());
@@ -92,6 +97,16 @@ impl Log {
                 return Err(Error::new(format!("{name}: the rate is {rate} Hz, expected a number above zero")));
             }
         };
+        let mut origin = Origin::default();
+        if let Some(servo) = &servo {
+            if let Some(fault) = servo.fault(dof) {
+                return Err(Error::new(format!("{name}: {fault}")));
+            }
+            let time = |row: usize| rate_hz.map_or_else(|| t[row], |rate| row as f64 / rate);
+            effort = servo.stiffness_torque(&effort, &q, &[], time);
+            effort_unit = Some(EffortInterface::Torque);
+            origin.remarks.push(servo.remark(qd.is_some()));
+        }
         let called = name.clone();
         let raw = RawLog {
             name,
@@ -105,8 +120,9 @@ impl Log {
             effort,
             without_effort: Vec::new(),
             effort_unit,
+            damping: servo.map(|servo| servo.kd).unwrap_or_default(),
             conversion: Default::default(),
-            origin: Default::default(),
+            origin,
         };
         raw.even(|row, message| Error::new(format!("{called}: row {row}: {message}")))
     }
@@ -137,6 +153,7 @@ mod tests {
             link_q: None,
             effort: (0..rows).flat_map(|k| [t(k), -t(k)]).collect(),
             effort_unit: Some(EffortInterface::Torque),
+            servo: None,
         }
     }
 
@@ -162,9 +179,54 @@ mod tests {
     }
 
     #[test]
+    fn identity_commands_by_a_mapping_and_in_arrays_make_the_torque_of_their_servo() {
+        let servo = Servo { kp: vec![100.0, 40.0], kd: vec![3.0, 0.5], delay_s: 0.01 };
+        let of_torque = arrays(400);
+        let t = |k: usize| k as f64 / 200.0;
+        // What must be commanded so that the servo has this torque: the velocities are those of sines.
+        let command = |k: usize, at: f64| {
+            let state =
+                [((3.0 * at).sin(), 3.0 * (3.0 * at).cos(), at), ((5.0 * at).cos(), -5.0 * (5.0 * at).sin(), -at)];
+            let (q, qd, tau) = state[k];
+            q + (tau + servo.kd[k] * qd) / servo.kp[k]
+        };
+        let commands: Vec<f64> =
+            (0..400).flat_map(|k| [0, 1].map(|joint| command(joint, t(k) + servo.delay_s))).collect();
+        let mut text = "t,q1,q2,c1,c2\n".to_owned();
+        for k in 0..400 {
+            let [a, b] = [0, 1].map(|joint| commands[2 * k + joint].to_degrees());
+            text += &format!("{:?},{:?},{:?},{a:?},{b:?}\n", t(k), of_torque.q[2 * k], of_torque.q[2 * k + 1]);
+        }
+        let mapping = super::super::Mapping::parse("t=t, q=q[1-2], q_cmd=c[1-2] deg kp=100/40 kd=3/0.5 delay_ms=10");
+        let texts = vec![crate::text::Text::new("c.csv", text)];
+        let table = super::super::parse_tables(texts, Some(&mapping.unwrap()), None).unwrap();
+        let log =
+            Log::from_arrays(LogArrays { effort: commands, servo: Some(servo), effort_unit: None, ..arrays(400) })
+                .unwrap();
+        // Two rows have no command that acts yet.
+        assert_eq!((log.q.len(), log.effort_unit), (2 * 398, Some(EffortInterface::Torque)));
+        let expected = &Log::from_arrays(of_torque).unwrap().effort[4..];
+        for (k, ((a, b), tau)) in log.effort.iter().zip(&table.effort).zip(expected).enumerate() {
+            // At the ends of the log the velocity is less accurate.
+            let near_end = !(4..2 * 396).contains(&k);
+            assert!(
+                (a - b).abs() < 1e-10 && (a - tau).abs() < if near_end { 2e-2 } else { 1e-5 },
+                "{k}: {a} {b} {tau}"
+            );
+        }
+        assert!(log.origin.remarks[0].starts_with("torques are those of a servo"), "{:?}", log.origin.remarks);
+    }
+
+    #[test]
     fn arrays_that_do_not_belong_together_are_refused_by_their_name() {
         type Fault = (fn(&mut LogArrays), &'static str);
-        let faults: [Fault; 6] = [
+        const fn servo(kp: Vec<f64>, kd: Vec<f64>, delay_s: f64) -> Option<Servo> {
+            Some(Servo { kp, kd, delay_s })
+        }
+        let faults: [Fault; 9] = [
+            (|a| a.servo = servo(vec![1.0], vec![0.0; 2], 0.0), "kp has 1 values, expected 2"),
+            (|a| a.servo = servo(vec![1.0; 2], vec![0.0, -1.0], 0.0), "kd is -1, expected zero"),
+            (|a| a.servo = servo(vec![1.0; 2], vec![0.0; 2], f64::NAN), "delay is NaN s"),
             (|a| a.dof = 0, "q has 20 values"),
             (|a| a.dof = 3, "q has 20 values, expected as many for each of 3 joints"),
             (|a| a.qd = Some(vec![0.0; 3]), "qd has 3 values, expected 20"),

@@ -45,7 +45,7 @@ impl Conversion {
         };
         // A current with a constant is a torque of its motor.
         let with_constant = effort.constant.is_some();
-        let is_torque = effort.quantity == Quantity::Torque || with_constant;
+        let is_torque = effort.quantity != Quantity::Current || with_constant;
         let conversion = Self {
             q: at_motors(position),
             qd: velocity.and_then(at_motors),

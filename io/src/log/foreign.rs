@@ -92,6 +92,7 @@ pub(super) fn log(name: &str, messages: &[Message], reading: &StateReading<'_>) 
         effort: plan.effort.scaled(with_zeros(efforts, dof, &without_effort))?,
         without_effort,
         effort_unit: is_mapped.then_some(effort_unit),
+        damping: Vec::new(),
         conversion,
         origin: Origin {
             columns: if is_mapped { columns().map(said).collect() } else { Vec::new() },
@@ -152,7 +153,7 @@ impl Plan {
                 let map = "q=joint[1-6] deg, tau=joint[1-6] motor gear=100";
                 Remedy::from("a map of joint states names joints: ").to(Setting::Map, map)
             };
-            let is_effort = matches!(quantity, Quantity::Torque | Quantity::Current);
+            let is_effort = quantity.is_effort();
             let is_known = |joint: &str| found.contains(joint) || (is_effort && joint == NONE);
             let joints = listed(&map.columns, is_known).map_err(|fault| Error::new(format!("{key}: {fault}")))?;
             if let Some(file) = &map.file {
@@ -171,6 +172,11 @@ impl Plan {
             let message =
                 format!("t: the times of {name} are the stamps of its messages, expected none in the mapping");
             return Err(Error::mismatch(message).help("leave out t"));
+        }
+        if mapping.of(Quantity::Command).is_some() {
+            let message = format!("q_cmd: {name} holds joint states, which have no commands, expected tau or current");
+            let help = "write positions and commands into one table, whose map may have q_cmd";
+            return Err(Error::mismatch(message).help(help));
         }
         let needed = |column: Option<Column>, key: &str| {
             column.ok_or_else(|| Error::new(format!("{name}: {key} is missing in the mapping")))

@@ -7,6 +7,7 @@ use super::conversion::Conversion;
 use super::mapping::{ColumnMap, Mapping, Quantity, Unit, listed};
 use super::origin::{FileHash, Origin, ReadAs};
 use super::raw_log::RawLog;
+use super::servo::Servo;
 use crate::error::Error;
 use crate::suggestion;
 use crate::table::LogTable;
@@ -99,7 +100,7 @@ fn by_mapping(tables: &[LogTable], mapping: &Mapping, has_rate: bool) -> Result<
         let Some((table, columns)) = matches.next() else {
             return Err(missing(&tables[candidates[0]], key, &names));
         };
-        let is_effort = matches!(map.quantity, Quantity::Torque | Quantity::Current);
+        let is_effort = map.quantity.is_effort();
         if columns.contains(&None) && (!is_effort || columns.iter().all(Option::is_none)) {
             return Err(Error::new(format!("{key}: found \"{NONE}\", expected a column")).help(WITHOUT_TORQUE));
         }
@@ -268,6 +269,13 @@ fn by_headings(tables: &[LogTable], has_rate: bool) -> Result<Vec<Found>, Error>
 
 const EXPECTED: &str = "expected the headings t,q1..qn,tau1..taun (N·m) or t,q1..qn,current1..currentn (A), or ";
 
+/// Adds a value to each joint of all rows.
+fn add_offsets(rows: &mut [f64], offsets: &[f64]) {
+    for row in rows.chunks_exact_mut(offsets.len().max(1)) {
+        row.iter_mut().zip(offsets).for_each(|(value, offset)| *value += offset);
+    }
+}
+
 /// From found columns to values.
 struct Reader<'a> {
     tables: &'a [LogTable],
@@ -289,12 +297,11 @@ impl Reader<'_> {
             let (key, count) = (found.quantity.key(), found.columns.len());
             return Err(Error::new(format!("{key} names {count} columns, expected {dof}, as many as q")));
         }
-        let effort = self.get(Quantity::Torque).or_else(|| self.get(Quantity::Current));
+        let effort = self.found.iter().find(|found| found.quantity.is_effort());
         let effort = effort.ok_or_else(|| {
-            Error::new("tau or current is missing").help(
-                Remedy::set(Setting::Map, "…, tau=torque_[1-6]")
-                    .say(", or current= with its constants, says which columns hold it"),
-            )
+            Error::new("tau or current is missing").help(Remedy::set(Setting::Map, "…, tau=torque_[1-6]").say(
+                ", or current= with its constants, or q_cmd= with the gains of a servo, says which columns hold it",
+            ))
         })?;
         let velocity = self.get(Quantity::Velocity);
         let (conversion, effort_unit) =
@@ -322,19 +329,34 @@ impl Reader<'_> {
             let values = self.get(quantity).map(|found| as_many(self.values(found, dof)?, quantity, dof));
             values.transpose()
         };
+        let t = if t.is_empty() { t } else { as_many(t, Quantity::Time, 1)? };
+        let mut efforts = as_many(self.values(effort, dof)?, effort.quantity, dof)?;
+        let mut origin = self.origin(files);
+        let servo = (effort.quantity == Quantity::Command).then(|| Servo::of_map(&effort.map, dof)).transpose()?;
+        if let Some(servo) = &servo {
+            if position.map.motor || velocity.is_some_and(|found| found.map.motor) {
+                let message = "q_cmd: found values at the motors in q or qd, expected all of them at the joints";
+                return Err(Error::mismatch(message));
+            }
+            add_offsets(&mut efforts, &effort.map.offsets(dof)?);
+            let time = |row: usize| self.rate_hz.map_or_else(|| t[row], |rate| row as f64 / rate);
+            efforts = servo.stiffness_torque(&efforts, &q, &conversion.offset, time);
+            origin.remarks.push(servo.remark(velocity.is_some()));
+        }
         Ok(RawLog {
             joints: None,
             dof,
-            t: if t.is_empty() { t } else { as_many(t, Quantity::Time, 1)? },
+            t,
             rate_hz: self.rate_hz,
             qd: of(Quantity::Velocity)?,
             link_q: of(Quantity::LinkPosition)?,
-            effort: as_many(self.values(effort, dof)?, effort.quantity, dof)?,
+            effort: efforts,
             q,
             without_effort: (0..dof).filter(|&joint| effort.columns[joint].is_none()).collect(),
             effort_unit: Some(effort_unit),
+            damping: servo.map(|servo| servo.kd).unwrap_or_default(),
             conversion,
-            origin: self.origin(files),
+            origin,
             name,
         })
     }

@@ -26,7 +26,8 @@ pub(super) const INFO: &str = "meta/info.json";
 const TIME: &str = "t";
 
 const LACKING: &str = "a data set of LeRobot holds positions and commands, without torque and units: record currents or torques of the \
-                       motors as a feature, and name both in a map: \"q=observation.state deg, current=observation.current mA\"";
+                       motors as a feature, and name both in a map: \"q=observation.state deg, current=observation.current mA\"; or \
+                       state the gains of the servos: \"q=observation.state deg, q_cmd=action deg kp=… kd=…\"";
 
 /// What is read of `meta/info.json`.
 #[derive(Deserialize)]

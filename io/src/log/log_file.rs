@@ -8,7 +8,7 @@
 //! q = "positions:joint_[1-6] deg motor gear=100"
 //! tau = "currents:joint_[1-6] motor gear=100"
 //! ```
-//! Keys `t`, `q`, `qd`, `current`, `tau` and `q_link` are those of a [`Mapping`].
+//! Keys `t`, `q`, `qd`, `current`, `tau`, `q_link` and `q_cmd` are those of a [`Mapping`].
 
 use std::path::{Path, PathBuf};
 
@@ -39,6 +39,7 @@ struct Table {
     current: Option<String>,
     tau: Option<String>,
     q_link: Option<String>,
+    q_cmd: Option<String>,
 }
 
 /// What a `[log]` table says.
@@ -73,7 +74,7 @@ impl LogFile {
         if table.files.as_ref().is_empty() {
             return Err(Error::new("files is empty, expected at least one").at(text, table.files.span(), "here"));
         }
-        let values = [&table.t, &table.q, &table.qd, &table.current, &table.tau, &table.q_link];
+        let values = [&table.t, &table.q, &table.qd, &table.current, &table.tau, &table.q_link, &table.q_cmd];
         let entries: Vec<(&str, &str)> = Quantity::ALL
             .into_iter()
             .zip(values)

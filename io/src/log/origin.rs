@@ -8,7 +8,8 @@ use armid::provenance::sha256_of_bytes;
 use serde::{Deserialize, Serialize};
 
 use super::channels::ChannelFault;
-use super::mapping::{Mapping, Quantity, corrected};
+use super::effort_scale::EffortScale;
+use super::mapping::{ColumnMap, Mapping, Quantity, corrected};
 use super::stamps::Timing;
 
 /// A file and what was in it.
@@ -83,14 +84,20 @@ impl Origin {
         maps.into_iter().any(|map| map.constant.is_some())
     }
 
-    /// The torque constants by which a mapping has made torques of the currents of `n` motors, N·m/A; none where it states none.
-    pub(super) fn constants(&self, n: usize) -> Option<Vec<f64>> {
+    /// By what a mapping has made torques of currents or commands, for each of `n` joints; none where it has made none.
+    pub(super) fn scale(&self, n: usize) -> Option<(EffortScale, Vec<f64>)> {
         let maps = self.read_as.iter().flat_map(|read_as| &read_as.mapping.columns);
-        let stated = maps.into_iter().find_map(|map| map.constant.as_ref())?;
-        match stated.as_slice() {
-            [one] => Some(vec![*one; n]),
-            each => Some(each.to_vec()),
-        }
+        let (scale, stated) = maps.into_iter().find_map(|map| {
+            let constant = map.constant.as_ref().map(|stated| (EffortScale::MappedConstant, stated));
+            constant.or_else(|| map.kp.as_ref().map(|stated| (EffortScale::ServoStiffness, stated)))
+        })?;
+        let each = if let [one] = stated[..] { vec![one; n] } else { stated.clone() };
+        Some((scale, each))
+    }
+
+    /// The mapping of commands, where the torques are those of servos.
+    pub(super) fn commands(&self) -> Option<&ColumnMap> {
+        self.read_as.as_ref()?.mapping.of(Quantity::Command)
     }
 
     /// Sentences about what was found in the log; none where all was well.

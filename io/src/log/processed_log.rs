@@ -5,6 +5,7 @@ use armid::model::{EffortInterface, StandardParameters};
 use armid::remedy::{Remedy, Setting};
 use armid::signal::Samples;
 
+use super::effort_scale::EffortScale;
 use super::joint_log::Log;
 use super::log_report::LogReport;
 use super::settings::LogSettings;
@@ -74,19 +75,23 @@ impl ProcessedLog {
         self.robot.robot.joints().iter().map(|joint| joint.name.clone()).collect()
     }
 
-    /// The torque constants by which the currents of these logs became torques, N·m/A, n: those of a mapping, or the robot's.
+    /// By what the efforts of these logs became torques, n: torque constants of a mapping or of the robot, or the stiffness of servos.
     ///
     /// # Errors
-    /// [`Error`] where a log holds torques, or the logs state unlike constants.
-    pub fn stated_constants(&self) -> Result<Vec<f64>, Error> {
+    /// [`Error`] where a log holds torques, or those of servos with damping, or the logs state unlike constants.
+    pub fn stated_scale(&self) -> Result<(EffortScale, Vec<f64>), Error> {
         let robot = &self.robot.robot;
         let of_robot = || robot.joints().iter().map(|joint| joint.drive.torque_constant).collect::<Vec<_>>();
-        let mut all: Option<Vec<f64>> = None;
+        let mut all: Option<(EffortScale, Vec<f64>)> = None;
         for log in &self.logs {
             let effort = log.effort_unit.unwrap_or_else(|| robot.effort());
-            let stated = match (log.origin.constants(log.dof), effort) {
-                (Some(constants), _) => constants,
-                (None, EffortInterface::Current) => of_robot(),
+            if log.origin.commands().and_then(|map| map.kd.as_ref()).is_some_and(|kd| kd.iter().any(|kd| *kd != 0.0)) {
+                let message = format!("{} states kd, expected kd=0: stiffness alone scales a torque then", log.name);
+                return Err(Error::mismatch(message).help("viscous friction holds the damping of the servos"));
+            }
+            let stated = match (log.origin.scale(log.dof), effort) {
+                (Some(scale), _) => scale,
+                (None, EffortInterface::Current) => (EffortScale::RobotConstant, of_robot()),
                 (None, EffortInterface::Torque) => {
                     let message =
                         format!("{} holds torques, expected motor currents: torques have no torque constant", log.name);
@@ -102,7 +107,7 @@ impl ProcessedLog {
             }
             all = Some(stated);
         }
-        Ok(all.unwrap_or_else(of_robot))
+        Ok(all.unwrap_or_else(|| (EffortScale::RobotConstant, of_robot())))
     }
 
     pub(super) fn is_foreign(&self) -> bool {

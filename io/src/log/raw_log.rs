@@ -8,6 +8,7 @@ use super::conversion::Conversion;
 use super::joint_log::{Log, Segment};
 use super::mapping::Quantity;
 use super::origin::Origin;
+use super::servo::velocities;
 use super::stamps::{SegmentRows, Stamps};
 use crate::error::Error;
 
@@ -33,6 +34,8 @@ pub(super) struct RawLog {
     /// Joints, from zero, whose effort was not measured or is not to be used.
     pub(super) without_effort: Vec<usize>,
     pub(super) effort_unit: Option<EffortInterface>,
+    /// Torque per speed that the efforts still lack, N·m·s/rad (N·s/m), n; none where nothing is lacking.
+    pub(super) damping: Vec<f64>,
     pub(super) conversion: Conversion,
     pub(super) origin: Origin,
 }
@@ -142,6 +145,7 @@ impl RawLog {
             log.segments.push(Segment { start_s: *start_s, samples: count });
         }
         log.origin.timing = Some(stamps.timing);
+        subtract_damping(&mut log, &self.damping);
         Ok(log)
     }
 
@@ -154,7 +158,7 @@ impl RawLog {
                 Quantity::Position => Some(&self.q),
                 Quantity::Velocity => self.qd.as_ref(),
                 Quantity::LinkPosition => self.link_q.as_ref(),
-                Quantity::Torque | Quantity::Current => Some(&self.effort),
+                Quantity::Torque | Quantity::Current | Quantity::Command => Some(&self.effort),
             };
             let Some(values) = values.filter(|values| !values.is_empty()) else { continue };
             for (column, name) in names.iter().enumerate() {
@@ -172,5 +176,24 @@ impl RawLog {
         let finite = |table: &[f64]| table[span.clone()].iter().all(|x| x.is_finite());
         let more = [&self.qd, &self.link_q];
         stamp && finite(&self.q) && finite(&self.effort) && more.iter().all(|own| own.as_deref().is_none_or(finite))
+    }
+}
+
+/// Subtracts Kd q̇ from the efforts, with velocities as they were measured, or from the positions where they were not.
+fn subtract_damping(log: &mut Log, damping: &[f64]) {
+    if damping.is_empty() {
+        return;
+    }
+    let (n, mut first) = (log.dof, 0);
+    for segment in &log.segments {
+        let span = first..first + segment.samples * n;
+        first = span.end;
+        let found = match &log.qd {
+            Some(qd) => qd[span.clone()].to_vec(),
+            None => velocities(&log.q[span.clone()], n, log.rate_hz),
+        };
+        for (effort, qd) in log.effort[span].chunks_exact_mut(n).zip(found.chunks_exact(n)) {
+            effort.iter_mut().zip(qd).zip(damping).for_each(|((effort, qd), kd)| *effort -= kd * qd);
+        }
     }
 }

@@ -24,7 +24,7 @@ pub fn begin(urdf: &Path, ends: &ChainEnds, place: &Path) -> Result<String, Erro
 }
 
 /// The path from the folder of a file that need not be there yet to another file, with `/` between its parts.
-fn relative(to: &Path, place: &Path) -> Result<String, Error> {
+pub(super) fn relative(to: &Path, place: &Path) -> Result<String, Error> {
     let absolute = |path: &Path| std::path::absolute(path).map_err(|error| Error::unreadable(path, &error));
     let (to, place) = (plain(&absolute(to)?), plain(&absolute(place)?));
     let from: Vec<Component<'_>> = place.parent().unwrap_or(&place).components().collect();

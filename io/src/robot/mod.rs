@@ -1,5 +1,6 @@
 //! Robots: a bundled name, a robot file with what lies beside it, or a chain in a URDF or MJCF tree.
 
+mod assumed_file;
 mod begun_file;
 mod find;
 mod held_shapes;
@@ -7,6 +8,7 @@ mod loaded_robot;
 mod package_path;
 mod tree;
 
+pub use assumed_file::{AssumedFile, assume};
 pub use begun_file::begin;
 pub use find::{load, named};
 pub use held_shapes::{HeldShape, HeldShapes, ShapeLeftOut};

@@ -56,6 +56,33 @@ pub fn log_ratios(folder: &Path, pilot: &StudyResult, rule: &StoppingRule) -> Re
     Ok(logs.values().map(balanced).collect())
 }
 
+/// One metric of a run with an estimator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunValue {
+    /// Name of the designs that its own is one of.
+    pub family: String,
+    /// Name of the condition.
+    pub condition: String,
+    /// Name of the estimator.
+    pub estimator: String,
+    /// The metric; `None` where the run gave none.
+    pub value: Option<f64>,
+}
+
+/// A metric of every run of a stored study, in the order of its rows.
+///
+/// # Errors
+/// [`Error`] where the rows cannot be read.
+pub fn run_values(folder: &Path, metric: Metric) -> Result<Vec<RunValue>, Error> {
+    let mut all = Vec::new();
+    rows(&folder.join("runs.parquet"), &["family", "condition", "estimator", column(metric)], |row| {
+        let [family, condition, estimator] = [0, 1, 2].map(|k| text(&row[k]).unwrap_or_default().to_owned());
+        let value = if let Field::Double(value) = row[3] { Some(value) } else { None };
+        all.push(RunValue { family, condition, estimator, value });
+    })?;
+    Ok(all)
+}
+
 /// Mean wall time of a design and of a run of a stored study, s.
 ///
 /// # Errors

@@ -219,9 +219,11 @@ mod tests {
     use crate::seed::Seed;
 
     const RATE_HZ: f64 = 100.0;
+    /// No transient.
+    const STEADY: (f64, f64) = (0.0, 0.0);
 
-    /// Three joints: rest, a ramp, periods of `period_s` from 3 s on, a ramp, rest; with noise and a transient that decays with 0.5 s.
-    fn record(period_s: f64, periods: f64, noise: f64, transient: f64) -> Vec<f64> {
+    /// Three joints: rest, a ramp, periods of `period_s` from 3 s on, a ramp, rest; with noise and a transient that decays at a rate (1/s).
+    fn record(period_s: f64, periods: f64, noise: f64, (transient, rate): (f64, f64)) -> Vec<f64> {
         let mut rng = Seed::new(4).stream("record", 0);
         let end = 3.0 + periods * period_s;
         let mut q = Vec::new();
@@ -234,7 +236,7 @@ mod tests {
                     .map(|l| libm::sin(f64::from(l) * w * (t - 3.0) + f64::from(l * l) + i as f64) / f64::from(l))
                     .sum();
                 let z: f64 = StandardNormal.sample(&mut rng);
-                let late = if t > 3.0 { transient * libm::exp(-2.0 * (t - 3.0)) } else { 0.0 };
+                let late = if t > 3.0 { transient * libm::exp(-rate * (t - 3.0)) } else { 0.0 };
                 q.push(ramp * 0.5 * wave + late + noise * z);
             }
         }
@@ -244,7 +246,7 @@ mod tests {
     #[test]
     fn the_period_and_the_part_that_repeats_are_found() {
         for (period_s, periods, noise) in [(10.0, 5.0, 0.0), (4.0, 7.0, 3e-4), (2.57, 12.4, 1e-4), (6.0, 3.0, 0.0)] {
-            let found = recurrence(&record(period_s, periods, noise, 0.0), 3, None);
+            let found = recurrence(&record(period_s, periods, noise, STEADY), 3, None);
             let Recurrence { period_samples, first, periods: count } = found.expect("a period");
             assert!((period_samples - period_s * RATE_HZ).abs() < 0.3, "{period_s} s: {found:?}");
             assert_eq!(count, periods as usize, "{period_s} s: {found:?}");
@@ -256,11 +258,21 @@ mod tests {
 
     #[test]
     fn a_first_period_that_has_not_settled_is_left_out() {
-        let found = recurrence(&record(10.0, 6.0, 1e-5, 2e-3), 3, None).expect("a period");
+        let found = recurrence(&record(10.0, 6.0, 1e-5, (2e-3, 2.0)), 3, None).expect("a period");
         assert!(found.periods == 5 && found.first.abs_diff(1300) < 30, "{found:?}");
-        let stated = recurrence(&record(10.0, 6.0, 1e-5, 2e-3), 3, Some(1000.0)).expect("the part");
+        let stated = recurrence(&record(10.0, 6.0, 1e-5, (2e-3, 2.0)), 3, Some(1000.0)).expect("the part");
         assert_eq!((stated.first, stated.periods, stated.period_samples), (found.first, 5, 1000.0));
-        assert_eq!(recurrence(&record(10.0, 6.0, 1e-5, 2e-3), 3, Some(0.2)), None);
+        assert_eq!(recurrence(&record(10.0, 6.0, 1e-5, (2e-3, 2.0)), 3, Some(0.2)), None);
+    }
+
+    #[test]
+    fn analytic_the_first_of_five_periods_is_left_out_above_twice_the_median_of_the_later_ones() {
+        // A transient whose part a period is r times that of the one before: the first difference is 1/r² times the median of three.
+        for (r, left) in [(0.6_f64, 4), (0.8, 5)] {
+            let rate = -r.ln() / 10.0;
+            let found = recurrence(&record(10.0, 5.0, 0.0, (4e-3, rate)), 3, Some(1000.0)).expect("the part");
+            assert_eq!(found.periods, left, "{r}: {found:?}");
+        }
     }
 
     #[test]
@@ -271,7 +283,7 @@ mod tests {
         let chirp = of(&|t| [tone(0.1 + 0.01 * t, t), 0.3 * tone(0.21, t)]);
         let incommensurate = of(&|t| [tone(0.1, t) + tone(0.1 * 2.0_f64.sqrt(), t), tone(0.173, t)]);
         let drifting = of(&|t| [tone(0.2, t) + 0.02 * t, tone(0.4, t)]);
-        let twice = record(10.0, 2.0, 0.0, 0.0);
+        let twice = record(10.0, 2.0, 0.0, STEADY);
         for (name, q, dof) in
             [("chirp", chirp, 2), ("two tones", incommensurate, 2), ("drift", drifting, 2), ("two periods", twice, 3)]
         {

@@ -41,10 +41,13 @@ pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentEr
             .table(comparisons(parts, estimator));
     }
     if drawn && parts.len() <= MOST {
-        section = section
-            .text("Each arm has other parameters that are physically possible. All designs are performed on the same arms, which are the units of the intervals.")
-            .figure(&over_truths(parts, estimator, input.result.drawn_truths.len()))?
-            .table(truths(parts, estimator));
+        section = section.text("Each arm has other parameters that are physically possible. All designs are performed on the same arms, which are the units of the intervals.");
+        let figure = over_truths(parts, estimator, input.result.drawn_truths.len());
+        // One arm gives no interval.
+        if figure.rows.iter().any(|row| row.cells.iter().any(Option::is_some)) {
+            section = section.figure(&figure)?;
+        }
+        section = section.table(truths(parts, estimator));
     }
     Ok(Some(section))
 }

@@ -22,9 +22,9 @@ use crate::study::evidence::Findings;
 use crate::study::family_plan::DesignMethod;
 use crate::study::family_score::FamilyScore;
 use crate::study::metric::Metric;
+use crate::study::motion_kind::MotionKind;
 use crate::study::setup::StudySetup;
 use crate::study::truth::Truth;
-use crate::study::validation::MotionKind;
 
 /// Makes an arm with these sensors for one run.
 pub type ArmFactory<'a> = &'a (dyn Fn(&Sensing, RunNoise) -> Result<Box<dyn Arm>, String> + Sync);
@@ -254,16 +254,11 @@ impl ClaimEvaluation<'_> {
         };
         let (dropped, kept) = (share(torque(&without)), share(torque(&regrouped)));
         let samples = full.len() / setup.robot.dof();
-        let verdict = match (kept < 1e-9, dropped < 0.01) {
-            (true, true) => Verdict::Holds,
-            (true, false) => Verdict::HoldsInPart,
-            _ => Verdict::DoesNotHold,
-        };
         Claim {
             claim: "The parameters that are missing do not matter for control, the masses of links 4 to 6 in \
                     particular (section IV.C)."
                 .to_owned(),
-            verdict,
+            verdict: regrouping_verdict(kept, dropped),
             rule: "In part: their values alone change no torque as long as the combinations that hold them are kept; \
                    leaving them out of the model without regrouping does. Change of the RMS torque on the validation \
                    trajectories, nominal parameters."
@@ -305,6 +300,15 @@ impl ClaimEvaluation<'_> {
                 ),
             ],
         })
+    }
+}
+
+/// Of the relative change of torque without masses whose combinations are kept, and without those too.
+const fn regrouping_verdict(kept: f64, dropped: f64) -> Verdict {
+    match (kept < 1e-9, dropped < 0.01) {
+        (true, true) => Verdict::Holds,
+        (true, false) => Verdict::HoldsInPart,
+        (false, _) => Verdict::DoesNotHold,
     }
 }
 
@@ -396,5 +400,25 @@ fn iterations_claim(setup: &StudySetup, designs: &[StudyDesign]) -> Claim {
                 ))
             })
             .collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::small_results::setup;
+
+    #[test]
+    fn identity_masses_that_are_regrouped_change_no_torque() {
+        let setup = setup();
+        let rigid = || FittedModel::new(&setup, Columns::RIGID).unwrap();
+        let no_arm = |_: &Sensing, _: RunNoise| Err(String::new());
+        let claim =
+            ClaimEvaluation { setup: &setup, rigid: rigid(), whole: rigid(), arm_factory: &no_arm }.mass_claim();
+        let [kept, dropped] = &claim.quantities[..] else { panic!("{claim:?}") };
+        assert!(kept.value < 1e-12 && (0.01..1.0).contains(&dropped.value), "{claim:?}");
+        assert_eq!((claim.verdict, kept.samples), (Verdict::HoldsInPart, 10));
+        assert_eq!(regrouping_verdict(1e-12, 0.005), Verdict::Holds);
+        assert_eq!(regrouping_verdict(0.005, 0.005), Verdict::DoesNotHold);
     }
 }

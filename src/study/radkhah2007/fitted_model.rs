@@ -48,3 +48,21 @@ pub(super) struct Fits {
     pub(super) rigid: DVector<f64>,
     pub(super) whole: DVector<f64>,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::small_results::setup;
+
+    #[test]
+    fn analytic_values_outside_of_their_range_are_counted() {
+        let model = FittedModel::new(&setup(), Columns::RIGID).unwrap();
+        let mut beta = DVector::zeros(model.base.rank());
+        assert_eq!(model.invalid(&beta), 0);
+        for row in 0..3 {
+            beta[row] = 1.001 * model.feasible[row].high + 1e-9;
+        }
+        beta[3] = 1.001 * model.feasible[3].low - 1e-9;
+        assert_eq!(model.invalid(&beta), 4);
+    }
+}

@@ -8,7 +8,7 @@ use armid::study::LimitExample;
 use armid::trajectory::PeriodicTrajectory;
 use armid_io::robot::HeldShapes;
 use armid_io::{Error, output};
-use armid_reports::{Figure, Heading, design_convergence, limits_figure};
+use armid_reports::{Figure, Heading, design_convergence, limits_figure, poses_figure};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
@@ -98,8 +98,12 @@ impl DesignAnswer {
             .subtitle(format!("one period, optimised for {}", self.best.criterion));
         let convergence = design_convergence(robot, &self.designs, self.baseline.as_ref());
         let limits = limits_figure(&example, &joints, heading);
-        let drawn =
-            [convergence.map(|figure| ("convergence", figure.svg())), limits.map(|figure| ("limits", figure.svg()))];
+        let poses = poses_figure(self.problem.robot(), &self.best.trajectory);
+        let drawn = [
+            convergence.map(|figure| ("convergence", figure.svg())),
+            limits.map(|figure| ("limits", figure.svg())),
+            Some(("poses", poses.svg())),
+        ];
         let mut written = Vec::new();
         for (name, svg) in drawn.into_iter().flatten() {
             let svg = svg.map_err(|fault| Error::new(format!("the figure \"{name}\" cannot be drawn: {fault}")))?;

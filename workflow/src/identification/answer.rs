@@ -23,7 +23,7 @@ pub struct IdentifyAnswer {
     pub estimates: Vec<Identified>,
     /// Mistakes that the log seems to have been made with.
     pub suspicions: Vec<Suspicion>,
-    /// The terms that the data decide, where they were asked for.
+    /// The terms that the log supports, where they were asked for.
     pub selection: Option<Selection>,
     /// The speeds in which Coulomb friction sets in, where they were looked for.
     pub onset: Option<FrictionSpeeds>,

@@ -1,6 +1,7 @@
 //! Findings of an estimate, grouped, the most important first, at most a screen of them.
 
 use armid::estimation::Finding;
+use armid::number::significant;
 
 /// Findings of one kind.
 pub(super) struct Group<'a> {
@@ -54,7 +55,7 @@ fn summary(found: &[&Finding]) -> Option<String> {
             format!("the completed parameters of links {} are physically inconsistent", list())
         }
         Finding::ResidualAboveNoise { .. } => format!("the residual is above what noise explains at joints {}", list()),
-        Finding::LackOfFit { .. } => format!("own fits leave torque beyond noise at joints {}", list()),
+        Finding::LackOfFit { .. } => format!("torque that neither model nor noise explains, at joints {}", list()),
         Finding::ResidualCorrelated { .. } => format!("neighbouring residuals correlate at joints {}", list()),
         Finding::Outliers { .. } => format!("equations are beyond 5 robust standard deviations at joints {}", list()),
         Finding::LeftOut { .. } => format!("{count} parameters are left out: {}", list()),
@@ -79,7 +80,8 @@ fn subject(finding: &Finding) -> Option<String> {
                 format!(", most at a {variable} of {from:.2} to {to:.2} {of}")
             });
             let share = 100.0 * beyond_noise_rms / torque_rms;
-            format!("{joint} ({beyond_noise_rms:.1e} {unit}, {share:.2} % of its torque{at})")
+            let rms = significant(*beyond_noise_rms, 2);
+            format!("{joint} ({rms} {unit}, {share:.2} % of its torque{at})")
         }
         _ => return None,
     })

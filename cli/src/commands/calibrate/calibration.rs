@@ -6,10 +6,9 @@ use super::{friction, payload, torque_constant};
 use crate::terminal::{Console, Ending};
 
 const AFTER_HELP: &str = "\
-torque-constant and friction drive one joint there and back at several constant speeds, on any arm;
-the motion, the experiment, the recording, the result and a figure are written side by side. Where
-the arm is real, do it in three steps: --plan-only writes the experiment, `armid run` performs it
-behind its guard, --recording evaluates what it recorded.
+torque-constant and friction move one joint there and back at several constant speeds, and write motion, \
+experiment, recording, result and figure. On a real arm take three steps: --plan-only writes the experiment, \
+`armid run` performs it under its guard, --recording evaluates it.
 
 Examples:
   armid calibrate torque-constant crs-a460 --joint shoulder -o bench/shoulder.json

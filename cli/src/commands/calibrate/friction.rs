@@ -10,10 +10,9 @@ use super::bench::{Bench, BenchArguments};
 use crate::terminal::{Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
-At one speed there and back over the same positions gravity cancels in half the difference of the
-torques, which leaves friction: Fc + Fv v. Where the slowest speed lies above the line through the
-faster half, friction falls as the joint starts to move (Stribeck). A recording
-of `torque-constant` can be used.";
+Moving there and back over the same positions cancels gravity in half the difference of the torques. What \
+remains is friction: Fc + Fv v. A slowest speed above that line shows Stribeck friction. Recordings of \
+`torque-constant` can be used.";
 
 /// Measure a joint's friction at constant speeds
 #[derive(Debug, clap::Args)]

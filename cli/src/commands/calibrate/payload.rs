@@ -20,11 +20,9 @@ use crate::arguments::{RobotArguments, one_of};
 use crate::terminal::{Answer, Console, Ending, Table, report_folder};
 
 const AFTER_HELP: &str = "\
-Two recordings of one motion, without and with a payload whose mass and centre are known: what the
-payload adds is known in N·m, what the motors add is measured in A. Their ratio is the torque
-constant. It needs no motor voltage. On a joint with a vertical axis only the payload's inertia
-acts, so that its interval is wide. A joint whose torque constant the payload does not identify is
-listed with the reason, the others are reported, and the exit status is 1. Motors that drive several joints need the back-EMF.
+The known payload adds a known torque (N·m), and the motors add a measured current (A). Their ratio is the \
+torque constant; no motor voltage is needed. Exit status 1 if the payload does not identify a joint, whose \
+reason is listed. Motors that drive several joints need the back-EMF.
 
   armid run without.toml -o A.mcap
   # attach the payload
@@ -42,7 +40,7 @@ pub(super) struct Arguments {
     /// Mass of the payload
     #[arg(long, value_name = "KG")]
     mass_kg: f64,
-    /// Its centre of mass in the frame of the last link (at the flange, z outwards)
+    /// Its centre of mass in the frame of the last link, m
     #[arg(long, value_delimiter = ',', value_name = "X,Y,Z", required = true, allow_hyphen_values = true)]
     centre_m: Vec<f64>,
     /// Its moments of inertia about its centre, along those axes

@@ -10,13 +10,11 @@ use super::bench::{Bench, BenchArguments};
 use crate::terminal::{Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
-The back-EMF of a motor is its voltage less what resistance, inductance and brushes take; against
-the speed of the shaft it is a straight line whose slope is Ke = Kt (Corke 1996). The resistance is
-estimated with it: it is identifiable where the current varies independently of the speed, under gravity
-and in reversals. --resistance-ohm takes it as known.
+The back-EMF (motor voltage minus the drops at resistance, inductance and brushes) is proportional to shaft \
+speed with slope Ke = Kt (Corke 1996). The resistance is estimated too if the current varies independently \
+of the speed; --resistance-ohm states it.
 
-Where the interface gives no motor voltage, a payload of known mass and centre identifies the torque
-constants instead: `armid calibrate payload`.";
+Without a measured motor voltage use a known payload: `armid calibrate payload`.";
 
 /// Measure a torque constant by the motor's back-EMF
 #[derive(Debug, clap::Args)]

@@ -16,22 +16,21 @@ use crate::terminal::{Console, Ending, Watch};
 const THREADS: u32 = size::THREADS.most as u32;
 
 const AFTER_HELP: &str = "\
-A study designs trajectories, performs simulated experiments with each, estimates, and scores against
-the truth. Equal plan and seed give the same bytes for any number of threads; wall times and dates are
-in timing.parquet and provenance.json alone.
+A study designs trajectories, simulates experiments with each, estimates, and scores against the true \
+parameters. Equal plan and seed give the same bytes for any number of threads; only timing.parquet and \
+provenance.json hold times.
 
-Ctrl-C and kill lose no finished run: --resume continues from them. A folder with results of another plan
-(or another number of runs, truths or arms) is refused: choose a new one with -o.
+Ctrl-C and kill lose no finished run: --resume continues. A folder with results of another plan is refused.
 
 Examples:
-  armid study experiments/01-criteria             the bundled study, into reports/01-criteria/
+  armid study experiments/01-criteria             a bundled study
   armid study experiments/01-criteria --runs 100  more runs of each design
   armid study 01-criteria --truths 25             each run number on its own random arm
   armid study 01-criteria --arm analytic,mujoco   the same in two engines
   armid study my/study.toml --jobs 1 -o out --resume
-  armid study my/study.toml --robot puma-560      one of the plan's robots = [...], into reports/NAME/puma-560/
-  armid study 01-criteria --until 'ratio(condition, d-optimal).prediction < 5 %'   as many starts as that takes
-  armid study plan pilot --until 'ratio(condition, d-optimal).prediction < 2 %'    how large a study for that
+  armid study my/study.toml --robot puma-560      one of its robots
+  armid study 01-criteria --until 'ratio(condition, d-optimal).prediction < 5 %'
+  armid study plan pilot --until 'ratio(condition, d-optimal).prediction < 2 %'
   armid study submit 01-criteria --engine slurm -o /shared/01   on a cluster";
 
 /// Run a Monte Carlo study of designs and estimators
@@ -51,16 +50,16 @@ pub(crate) struct Arguments {
     /// Resume from the finished work in the output folder
     #[arg(long)]
     resume: bool,
-    /// Perform only part K of N of the runs; `armid study merge` puts the parts together
+    /// Perform part K of N; `armid study merge` joins them
     #[arg(long, value_name = "K/N")]
     shard: Option<Shard>,
-    /// Perform one stage alone: the designs, or the runs with designs that are there
+    /// Perform one stage: the designs, or the runs of stored designs
     #[arg(long, value_name = "STAGE", value_parser = one_of(&Stage::ALL, Stage::name))]
     stage: Option<Stage>,
-    /// Where the designs of --stage runs are: a folder that --stage designs wrote, or one that holds such folders
+    /// Folders with the designs for --stage runs
     #[arg(long, value_name = "DIR", requires = "stage")]
     designs_from: Vec<PathBuf>,
-    /// End where this interval is narrow enough, as "ratio(condition, d-optimal).prediction < 5 %"
+    /// End when an interval is narrow: "ratio(condition, d-optimal).prediction < 5 %"
     #[arg(long, value_name = "RULE", conflicts_with_all = ["shard", "stage"])]
     until: Option<String>,
 }

@@ -15,7 +15,7 @@ pub(crate) struct Overrides {
     /// Runs of each design, in place of the plan's
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     runs: Option<u32>,
-    /// Draw this many random truths around the robot's own, in place of the plan's
+    /// Draw this many simulated arms around the robot's own
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     truths: Option<u32>,
     /// Which simulated arms perform the experiments, in place of the plan's

@@ -14,9 +14,9 @@ use crate::terminal::{Answer, Console, Ending};
 const SCRIPT: &str = include_str!("slurm-study");
 
 const AFTER_HELP: &str = "\
-The folder of -o must be on a file system that all nodes share. Designs are one array of tasks, runs
-a second that waits for it; a last job merges them, or submits again what is incomplete. squeue
-shows the jobs, scancel ends them; the same line goes on with what is finished.
+The folder of -o must be on a file system that all nodes share. Designs are one array of tasks, runs a \
+second; a last job merges them, or submits again what is incomplete. squeue shows the jobs, scancel ends \
+them; the same line resumes.
 
 Examples:
   armid study submit 01-criteria --engine slurm --runs 1000 --array 200 -o /shared/01

@@ -232,3 +232,51 @@ fn check(base: &BaseReduction, guess: &StandardParameters) -> Result<(), Estimat
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::{Method, reduce};
+    use crate::chains::random_robot;
+    use crate::model::Columns;
+    use crate::seed::Seed;
+
+    /// The region around the parameters of a random arm, and sets: the guess itself and another arm's.
+    fn region() -> (Region, [DVector<f64>; 2]) {
+        let mut rng = Seed::new(7).stream("region", 0);
+        let ((robot, guess), (_, other)) = (random_robot(&mut rng, 2), random_robot(&mut rng, 2));
+        let base = reduce(&robot, Columns::RIGID_ROTOR_FRICTION, Method::Structural, Seed::new(0)).unwrap();
+        let [phi, other] = [&guess, &other]
+            .map(|set| DVector::from_iterator(base.parameters.len(), base.parameters.iter().map(|&id| set.get(id))));
+        let (beta, std) = (base.beta(&phi), DVector::from_element(base.rank(), 1.0));
+        (Region::of(&base, &guess, (&beta, &std), &ShapeBounds::default()).unwrap(), [phi, other])
+    }
+
+    #[test]
+    fn analytic_distances_from_the_guess() {
+        let (region, [phi, other]) = region();
+        assert!((region.centre() - &phi).norm() < 1e-12 && region.contains(&phi) && region.contains(&other));
+        // Each of four eigenvalues of a link and each drive is one there, and a divergence is zero.
+        let count = region.logarithms().0 as f64;
+        assert_eq!(region.logarithms(), (4 * 2 + region.drives.len(), 0));
+        assert!((region.growth(&phi) - count).abs() < 1e-9 && region.divergence(&phi).abs() < 1e-9);
+        // Twice the guess, but for offsets: x − 1 − ln x of each.
+        let mut twice = &phi * 2.0;
+        for &(at, value, size) in &region.offsets {
+            twice[at] = value + 3.0 * size;
+        }
+        let expected = count * (1.0 - std::f64::consts::LN_2) + 4.5 * region.offsets.len() as f64;
+        assert!((region.divergence(&twice) / expected - 1.0).abs() < 1e-9);
+        assert_eq!(region.divergence(&-phi), f64::INFINITY);
+    }
+
+    #[test]
+    fn identity_a_region_of_another_unit_measures_alike() {
+        let (region, [phi, other]) = region();
+        let scaled = region.scaled(5.0);
+        assert!((scaled.centre() - &phi * 5.0).norm() < 1e-9);
+        assert!((scaled.growth(&(&other * 5.0)) / region.growth(&other) - 1.0).abs() < 1e-9);
+        assert!((scaled.divergence(&(&other * 5.0)) / region.divergence(&other) - 1.0).abs() < 1e-9);
+        assert_eq!((scaled.parameters(), scaled.horizon()), (region.parameters(), region.horizon()));
+    }
+}

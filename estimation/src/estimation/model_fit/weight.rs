@@ -83,3 +83,15 @@ fn standard_error_of_sum(values: &[f64]) -> f64 {
     let variance = values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (count - 1.0).max(1.0);
     (count * variance).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::standard_error_of_sum;
+
+    #[test]
+    fn analytic_standard_error_of_a_sum() {
+        // Sums of four with a sample variance of 20/3.
+        assert!((standard_error_of_sum(&[1.0, 3.0, 5.0, 7.0]) - (4.0_f64 * 20.0 / 3.0).sqrt()).abs() < 1e-12);
+        assert_eq!(standard_error_of_sum(&[2.0]), 0.0);
+    }
+}

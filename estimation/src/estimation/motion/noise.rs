@@ -122,6 +122,10 @@ fn spread(samples: &Samples, std: f64, band_hz: f64) -> Matrix3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::{Method, reduce};
+    use crate::chains::{random_robot, random_state};
+    use crate::model::Columns;
+    use crate::seed::Seed;
 
     #[test]
     fn analytic_white_noise_of_a_band() {
@@ -138,5 +142,36 @@ mod tests {
         // Without a band, means over D samples of white noise have a D-th of its variance.
         samples.block = 5;
         assert!((spread(&samples, 0.1, 50.0)[(0, 0)] / (0.01 / 20.0) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn identity_slopes_of_polynomials_are_exact_differences_of_any_length() {
+        // Without friction W is linear in the acceleration and of second degree in the speed.
+        let mut rng = Seed::new(6).stream("slope", 0);
+        let (robot, _) = random_robot(&mut rng, 2);
+        let base = reduce(&robot, Columns::RIGID, Method::Structural, Seed::new(0)).unwrap();
+        let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
+        let mut states = States::new(2);
+        for _ in 0..12 {
+            let (q, qd, qdd) = random_state(&mut rng, 2);
+            states.push(&q, &qd, &qdd);
+        }
+        let mut samples = Samples::exact(states.clone(), vec![1.0; 24], vec!["N·m".to_owned(); 2], 100.0);
+        samples.used[5] = false;
+        let observation = Observation::new(&robot, &regressor, &base, &samples).unwrap();
+        let joints = vec![Matrix3::zeros(), Matrix3::from_diagonal(&nalgebra::Vector3::new(0.1, 0.04, 9.0))];
+        let noise = MotionNoise { joints, regressor: observation.joint_regressor(&robot), samples: &samples };
+        for order in [1, 2] {
+            let moved = |by: f64| {
+                let mut states = states.clone();
+                let values = if order == 1 { &mut states.qd } else { &mut states.qdd };
+                values.iter_mut().skip(1).step_by(2).for_each(|value| *value += by);
+                regressor.stack_means(&states, &base.kept, 1)
+            };
+            let mut expected = (moved(1.0) - moved(-1.0)) * 0.5;
+            expected.row_mut(5).fill(0.0);
+            assert!(expected.norm() > 0.1 && (noise.slope(&observation, 1, order) - expected).norm() < 1e-9, "{order}");
+        }
+        assert_eq!(noise.slope(&observation, 0, 1).norm(), 0.0);
     }
 }

@@ -91,19 +91,19 @@ shapes! {
         "falls over the record" => "a sensor that drifts or a gear that warms up";
     /// sgn q̇.
     Coulomb: Speed, Law::Term(COULOMB),
-        "steps up where the speed changes its sign" => "Coulomb friction that the model lacks",
-        "steps down where the speed changes its sign" => "friction that the model has too much of";
+        "steps up where the speed changes its sign" => "Coulomb friction that is not in the model",
+        "steps down where the speed changes its sign" => "too much friction in the model";
     /// q̇.
     Viscous: Speed, Law::Term(VISCOUS),
-        "grows with speed" => "viscous friction that the model lacks",
-        "falls with speed" => "friction that the model has too much of";
+        "grows with speed" => "viscous friction that is not in the model",
+        "falls with speed" => "too much friction in the model";
     /// q̇ |q̇|.
     Quadratic: Speed, Law::Term(QUADRATIC_VISCOUS),
-        "grows with the square of speed" => "friction with the square of speed that the model lacks",
+        "grows with the square of speed" => "quadratic friction that is not in the model",
         "falls with the square of speed" => "friction that flattens out at speed";
     /// sgn q̇ exp(−(q̇/v)²), v 0.3 of the RMS.
     NearRest: Speed, Law::Term(STRIBECK),
-        "is along the motion near rest" => "Stribeck friction that the model lacks",
+        "is along the motion near rest" => "Stribeck friction that is not in the model",
         "is against the motion near rest" => "friction that sets in softly from rest";
     /// τ_l.
     Gain: Load, Law::Load,
@@ -111,11 +111,11 @@ shapes! {
         "falls with load" => "a wrong torque constant or gear ratio of this joint";
     /// |τ_l| sgn q̇.
     LoadFriction: Load, Law::Term(LOAD_FRICTION),
-        "grows with load along the motion" => "load-dependent friction that the model lacks",
-        "grows with load against the motion" => "a gear that loses less under load than the model says";
+        "grows with load along the motion" => "load-dependent friction that is not in the model",
+        "grows with load against the motion" => "too much load-dependent friction in the model";
     /// q.
     Spring: Position, Law::Term(SPRING),
-        "grows with position" => "a spring or a cable that the model lacks",
+        "grows with position" => "a spring or a cable that is not in the model",
         "falls with position" => "a spring that pushes away from zero, a gravity compensator say,";
     /// cos q sgn q̇.
     CosineFriction: Position, Law::Term(POSITION_COSINE),

@@ -154,35 +154,65 @@ mod tests {
     use crate::seed::Seed;
     use crate::trajectory::Family;
 
-    #[test]
-    fn identity_rows_are_the_slopes_of_the_dips() {
+    /// The A460 on a motion of the first guess that is `scale` times as large, watched on a grid of 200.
+    fn watched(scale: f64, clearance: f64) -> (MotionBasis, Vec<f64>, ClearanceLimits) {
         let robot = chains::crs_a460();
         let basis = MotionBasis::new(&robot, &DesignSpace::new(Family::Fourier, 10.0, vec![5; 6]).unwrap()).unwrap();
         let start = radkhah2007_start(&robot, 10.0, 5, Seed::new(2), 1).unwrap().into();
-        let x = basis.coefficients(&start).unwrap();
-        let mut limits = ClearanceLimits::new(Scene::new(&robot), &basis, 200, 0.02);
+        let x = basis.coefficients(&start).unwrap().iter().map(|x| scale * x).collect();
+        let limits = ClearanceLimits::new(Scene::new(&robot), &basis, 200, clearance);
+        (basis, x, limits)
+    }
+
+    /// Distance of a pair at a phase of the motion x.
+    fn distance(scene: &mut Scene, basis: &MotionBasis, x: &[f64], pair: usize, phase: f64) -> f64 {
+        let (mut q, mut qd, mut qdd) = ([0.0; 6], [0.0; 6], [0.0; 6]);
+        basis.trajectory(x).evaluate(phase / basis.omega(), &mut q, &mut qd, &mut qdd);
+        scene.place(&q);
+        scene.separation(pair).distance
+    }
+
+    #[test]
+    fn identity_rows_are_the_slopes_of_the_dips() {
+        let (basis, x, mut limits) = watched(1.0, 0.02);
         let mut rows = Vec::new();
         limits.linearise(&x, &mut rows);
         let dips = limits.dips.clone();
         assert!(rows.len() == dips.len() && rows.len() > 5, "{}", rows.len());
-        let mut scene = Scene::new(&robot);
-        let mut distance = |x: &[f64], dip: &Dip| {
-            let (mut q, mut qd, mut qdd) = ([0.0; 6], [0.0; 6], [0.0; 6]);
-            basis.trajectory(x).evaluate(dip.phase / basis.omega(), &mut q, &mut qd, &mut qdd);
-            scene.place(&q);
-            scene.separation(dip.pair).distance
-        };
+        let mut scene = Scene::new(&chains::crs_a460());
         for (SmoothRow { row, .. }, dip) in rows.iter().zip(&dips) {
             assert!((row.bound - (dip.distance - limits.required) / UNIT).abs() < 1e-12);
             for i in (0..x.len()).step_by(7) {
                 let mut at = |h: f64| {
                     let mut moved = x.clone();
                     moved[i] += h;
-                    distance(&moved, dip)
+                    distance(&mut scene, &basis, &moved, dip.pair, dip.phase)
                 };
                 let difference = -(at(1e-6) - at(-1e-6)) / (2e-6 * UNIT);
                 assert!((difference - row.normal[i]).abs() < 1e-5, "{difference} {}", row.normal[i]);
             }
         }
+    }
+
+    #[test]
+    fn identity_no_pair_that_is_too_close_is_closer_around_its_dip() {
+        let (basis, x, mut limits) = watched(1.0, 0.1);
+        limits.move_to(&x);
+        let close: Vec<Dip> = limits.dips.iter().copied().filter(|dip| dip.distance < limits.required).collect();
+        let mut scene = Scene::new(&chains::crs_a460());
+        let mut at =
+            |dip: &Dip, steps: f64| distance(&mut scene, &basis, &x, dip.pair, dip.phase + steps * TAU / 200.0);
+        assert!(close.len() > 5, "{}", close.len());
+        for dip in &close {
+            assert!((at(dip, 0.0) - dip.distance).abs() < 1e-12);
+            assert!([-0.02, 0.02].into_iter().all(|steps| at(dip, steps) >= dip.distance), "{dip:?}");
+        }
+    }
+
+    #[test]
+    fn analytic_a_pair_that_keeps_its_distance_has_no_dip() {
+        let (_, x, mut limits) = watched(0.0, 1.0);
+        limits.move_to(&x);
+        assert!(limits.dips.is_empty(), "{:?}", limits.dips);
     }
 }

@@ -106,3 +106,23 @@ impl ExpectedEffects {
         self.carried
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_size_or_of_another_arm_is_refused() {
+        for size in [0.0, 0.3] {
+            assert!(EffectLaw::Late(size).check(2).is_ok() && EffectLaw::Scaled(size).check(2).is_ok());
+        }
+        for size in [-0.1, f64::INFINITY, f64::NAN] {
+            let refused = [EffectLaw::Late(size), EffectLaw::Scaled(size)].map(|law| law.check(2));
+            assert!(refused.iter().all(|answer| matches!(answer, Err(ExcitationError::Negative { .. }))), "{size}");
+        }
+        assert!(matches!(
+            EffectLaw::Terms(Vec::new()).check(2),
+            Err(ExcitationError::Length { found: 0, expected: 2, .. })
+        ));
+    }
+}

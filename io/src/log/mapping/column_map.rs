@@ -33,11 +33,29 @@ pub struct ColumnMap {
     pub constant: Option<Vec<f64>>,
     /// What 100 % are, in A or N·m, one for all or one for each.
     pub rated: Option<Vec<f64>>,
+    /// Of commands: N·m/rad (N/m) of torque per error, one for all or one for each.
+    pub kp: Option<Vec<f64>>,
+    /// Of commands: N·m·s/rad (N·s/m) of torque per speed, one for all or one for each.
+    pub kd: Option<Vec<f64>>,
+    /// Of commands: time after which they act, s.
+    pub delay_s: Option<f64>,
 }
 
 /// What may stand behind the columns.
-const WORDS: [&str; 9] =
-    ["a unit", "motor", "gear=…", "sign=…", "offset=…", "offset_deg=…", "offset_rad=…", "constant=…", "rated=…"];
+const WORDS: [&str; 12] = [
+    "a unit",
+    "motor",
+    "gear=…",
+    "sign=…",
+    "offset=…",
+    "offset_deg=…",
+    "offset_rad=…",
+    "constant=…",
+    "rated=…",
+    "kp=…",
+    "kd=…",
+    "delay_ms=…",
+];
 
 impl ColumnMap {
     /// The columns of a quantity by their headings, in SI units at the joints.
@@ -53,6 +71,9 @@ impl ColumnMap {
             offset: None,
             constant: None,
             rated: None,
+            kp: None,
+            kd: None,
+            delay_s: None,
         }
     }
 
@@ -69,13 +90,15 @@ impl ColumnMap {
             (map.file, map.columns) = (Some(file.to_owned()), columns.to_owned());
         }
         let mut offset_unit = None;
+        let is_command = quantity == Quantity::Command;
+        let is_position = is_command || quantity == Quantity::Position;
         for word in words {
             match word.split_once('=') {
-                None if word == "motor" && quantity != Quantity::Time => map.motor = true,
+                None if word == "motor" && !matches!(quantity, Quantity::Time | Quantity::Command) => map.motor = true,
                 None => map.unit = Some(Self::unit(quantity, &word)?),
                 Some(("gear", values)) => map.gear = Some(list(key, "gear", values, |gear| gear != 0.0)?),
                 Some(("sign", values)) => map.sign = Some(signs(key, values)?),
-                Some((name @ ("offset" | "offset_deg" | "offset_rad"), values)) if quantity == Quantity::Position => {
+                Some((name @ ("offset" | "offset_deg" | "offset_rad"), values)) if is_position => {
                     offset_unit = match name {
                         "offset_deg" => Some(Unit::Deg),
                         "offset_rad" => Some(Unit::Rad),
@@ -86,10 +109,21 @@ impl ColumnMap {
                 Some(("constant", values)) if quantity == Quantity::Current => {
                     map.constant = Some(list(key, "constant", values, |constant| constant > 0.0)?);
                 }
+                Some(("kp", values)) if is_command => map.kp = Some(list(key, "kp", values, |kp| kp > 0.0)?),
+                Some(("kd", values)) if is_command => map.kd = Some(list(key, "kd", values, |kd| kd >= 0.0)?),
+                Some(("delay_ms", value)) if is_command => {
+                    let [delay_ms] = list(key, "delay_ms", value, |delay| delay >= 0.0)?[..] else {
+                        return Err(format!("{key}: delay_ms is \"{value}\", expected one number"));
+                    };
+                    map.delay_s = Some(1e-3 * delay_ms);
+                }
                 Some(("rated", values)) => map.rated = Some(list(key, "rated", values, |rated| rated > 0.0)?),
                 Some((name, _)) => {
-                    let near = suggestion::nearest(name, ["gear", "sign", "offset", "constant", "rated"])
-                        .map_or_else(String::new, |near| format!("; did you mean \"{near}=\"?"));
+                    let near = suggestion::nearest(
+                        name,
+                        ["gear", "sign", "offset", "constant", "rated", "kp", "kd", "delay_ms"],
+                    )
+                    .map_or_else(String::new, |near| format!("; did you mean \"{near}=\"?"));
                     return Err(format!("{key}: found \"{word}\", expected {}{near}", WORDS.join(", ")));
                 }
             }
@@ -98,6 +132,12 @@ impl ColumnMap {
         let unit = offset_unit.or(map.unit).unwrap_or(quantity.units()[0]);
         for offset in map.offset.iter_mut().flatten() {
             *offset *= unit.si();
+        }
+        if is_command && (map.kp.is_none() || map.kd.is_none()) {
+            return Err(format!(
+                "{key}: torque is kp (q_cmd − q) − kd qd, expected the gains of the servo: kp=… (N·m/rad) and kd=… (N·m·s/rad), 0 \
+                 where it has none; without a known gain or load, twice the gains and twice the inertias move alike"
+            ));
         }
         if (map.unit == Some(Unit::Percent)) != map.rated.is_some() {
             return Err(format!("{key}: % and rated=… belong together, expected both or neither"));
@@ -140,7 +180,13 @@ impl ColumnMap {
     }
 
     /// One value for each joint.
-    fn of_each(&self, list: Option<&[f64]>, otherwise: f64, what: &str, n: usize) -> Result<Vec<f64>, Error> {
+    pub(crate) fn of_each(
+        &self,
+        list: Option<&[f64]>,
+        otherwise: f64,
+        what: &str,
+        n: usize,
+    ) -> Result<Vec<f64>, Error> {
         match list {
             None => Ok(vec![otherwise; n]),
             Some([one]) => Ok(vec![*one; n]),
@@ -168,9 +214,17 @@ impl ColumnMap {
         // An offset that is held in rad (m) is in the unit that a rotation or a translation is stated in.
         let in_degrees = !matches!(self.unit, Some(Unit::M | Unit::Mm));
         let offset = if in_degrees { ("offset_deg", &degrees) } else { ("offset_rad", &self.offset) };
-        for (name, list) in
-            [("gear", &self.gear), ("sign", &self.sign), offset, ("constant", &self.constant), ("rated", &self.rated)]
-        {
+        let delay_ms = self.delay_s.map(|delay| vec![1e3 * delay]);
+        for (name, list) in [
+            ("gear", &self.gear),
+            ("sign", &self.sign),
+            offset,
+            ("constant", &self.constant),
+            ("rated", &self.rated),
+            ("kp", &self.kp),
+            ("kd", &self.kd),
+            ("delay_ms", &delay_ms),
+        ] {
             if let Some(list) = list {
                 // Twelve digits: what rounding adds to degrees is not written.
                 let number = |x: &f64| format!("{x:.12}").parse::<f64>().unwrap_or(*x).to_string();
@@ -267,6 +321,11 @@ mod tests {
             (Quantity::Current, "i %", "% and rated=… belong together"),
             (Quantity::Current, "i gear=100", "needs constant=…"),
             (Quantity::Torque, "i offset=3", "found \"offset=3\""),
+            (Quantity::Torque, "i kp=3", "found \"kp=3\""),
+            (Quantity::Command, "c deg kp=3", "expected the gains of the servo"),
+            (Quantity::Command, "c deg kp=0 kd=1", "kp is \"0\""),
+            (Quantity::Command, "c motor kp=3 kd=1", "found \"motor\""),
+            (Quantity::Command, "c kp=3 kd=1 delay_ms=1/2", "expected one number"),
         ] {
             let fault = ColumnMap::parse(quantity, text).unwrap_err();
             assert!(fault.contains(wanted), "{text}: {fault}");

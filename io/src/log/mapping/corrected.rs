@@ -28,6 +28,10 @@ pub(crate) fn corrected(
 
 /// The only correction.
 fn one(read_as: &Mapping, columns: &[(Quantity, Vec<String>)], mistake: &Mistake, robot: &Robot) -> Option<Mapping> {
+    // A change of commands or positions alone would change the torque that is made of both.
+    if read_as.of(Quantity::Command).is_some() {
+        return None;
+    }
     let mut mapping = read_as.clone();
     let (positions, efforts) = ([Quantity::Position, Quantity::Velocity], [Quantity::Current, Quantity::Torque]);
     let change = |mapping: &mut Mapping, of: &[Quantity], with: &dyn Fn(&mut ColumnMap)| {

@@ -59,10 +59,12 @@ impl Mapping {
         if mapping.of(Quantity::Position).is_none() {
             return Err("q is missing, expected the columns of the positions".to_owned());
         }
-        match (mapping.of(Quantity::Current), mapping.of(Quantity::Torque)) {
-            (None, None) => Err("expected the columns of current or of tau".to_owned()),
-            (Some(_), Some(_)) => Err("found current and tau, expected one of them".to_owned()),
-            _ => Ok(mapping),
+        let efforts: Vec<&str> =
+            mapping.columns.iter().map(|map| map.quantity).filter(|of| of.is_effort()).map(Quantity::key).collect();
+        match efforts[..] {
+            [] => Err("expected the columns of current, of tau, or of q_cmd with gains".to_owned()),
+            [_] => Ok(mapping),
+            [ref first @ .., last] => Err(format!("found {} and {last}, expected one of them", first.join(", "))),
         }
     }
 
@@ -134,6 +136,7 @@ mod tests {
     fn identity_a_mapping_is_read_back_from_its_text() {
         for text in [
             "topic=/arm/joint_states, q=j[1-2] deg motor gear=32/-45.5 offset_deg=0/90, current=i[1-2] mA constant=0.05",
+            "t=t, q=x[1-2] deg, q_cmd=c[1-2] deg offset_deg=0/90 kp=100/50 kd=2 delay_ms=4",
             "t=time_ms ms, q='joint 1'/'joint 2' sign=1/-1 offset_deg=0.1, tau=pos:tau[1-2] % rated=2.5",
         ] {
             let mapping = Mapping::parse(text).unwrap();
@@ -144,6 +147,7 @@ mod tests {
                 let offsets = |map: &crate::log::ColumnMap| map.offset.clone().unwrap_or_default();
                 assert!(offsets(a).iter().zip(offsets(b)).all(|(a, b)| (a - b).abs() < 1e-13));
                 assert_eq!((&a.columns, &a.gear, &a.sign, &a.unit), (&b.columns, &b.gear, &b.sign, &b.unit));
+                assert_eq!((&a.kp, &a.kd, a.delay_s), (&b.kp, &b.kd, b.delay_s));
             }
         }
         let topic = Mapping::parse("topic=/joint_states").unwrap();
@@ -154,7 +158,8 @@ mod tests {
     fn what_is_missing_or_unknown_is_said() {
         for (text, wanted) in [
             ("t=t, tau=x[1-2]", "q is missing"),
-            ("t=t, q=x[1-2]", "expected the columns of current or of tau"),
+            ("t=t, q=x[1-2]", "expected the columns of current, of tau, or of q_cmd"),
+            ("q=x, tau=z, q_cmd=y kp=1 kd=0", "found tau and q_cmd"),
             ("q=x, current=y, tau=z", "found current and tau"),
             ("q=x, q=y, tau=z", "\"q\" occurs twice"),
             ("q=x, curent=y", "did you mean \"current\"?"),

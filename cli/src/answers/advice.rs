@@ -1,0 +1,101 @@
+//! What advice says, in words.
+
+use std::fmt::Write;
+
+use armid::number::significant;
+use armid::statistics::Spread;
+use armid::study::Purpose;
+use armid_workflow::advice::{AdviceAnswer, Candidate};
+
+use crate::terminal::Table;
+
+/// Parameters that are named one by one.
+const NAMED: usize = 12;
+
+/// The answer on one screen.
+pub(crate) fn advice_text(answer: &AdviceAnswer) -> String {
+    let Some(best) = answer.candidates.first() else { return String::new() };
+    let (measure, unit) = words(answer.purpose);
+    let mut text = format!(
+        "{}: the {} motion for {} s, estimated by {}\n\n  expected {measure}: {}\n",
+        answer.robot,
+        best.design,
+        significant(answer.duration_s, 4),
+        best.estimator,
+        spread(&best.error, unit)
+    );
+    let shown = answer.parameters - answer.poorly_determined.len();
+    let _ = writeln!(
+        text,
+        "  it determines {shown} of {} base parameters to within a third of their value",
+        answer.parameters
+    );
+    if !answer.poorly_determined.is_empty() {
+        let named: Vec<&str> = answer.poorly_determined.iter().take(NAMED).map(String::as_str).collect();
+        let more = answer.poorly_determined.len() - named.len();
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let _ = writeln!(text, "  not determined: {}{more}", named.join(", "));
+    }
+    if !answer.limits_kept {
+        text.push_str("  the motion exceeds a limit: see the page, and give more limits or a longer period\n");
+    }
+    let _ = write!(
+        text,
+        "\n{measure}, {unit}, over {} runs on drawn arms with effects of {} drives\n",
+        answer.runs,
+        answer.drive.name()
+    );
+    text.push_str(&table(answer).render(2));
+    for assumption in &answer.assumptions {
+        let _ = writeln!(text, "  assumed: {assumption}");
+    }
+    if answer.failed > 0 {
+        let _ = writeln!(text, "  {} of {} runs gave no estimate", answer.failed, answer.runs);
+    }
+    if let Some(report) = &answer.report {
+        let _ = writeln!(text, "page: {}", report.display());
+    }
+    let _ = writeln!(text, "next: armid run {} -o log.mcap", answer.experiment.display());
+    text
+}
+
+/// A row for each candidate: over all levels, and at each.
+fn table(answer: &AdviceAnswer) -> Table {
+    let levels = answer.candidates.first().map_or(&[][..], |best| &best.by_level);
+    let mut headings = "motion | estimator | #median | #5 % | #95 %".to_owned();
+    for (level, _) in levels {
+        let _ = write!(headings, " | #{level}");
+    }
+    let mut table = Table::of(&headings);
+    for candidate in &answer.candidates {
+        table.row(row(candidate, levels));
+    }
+    table
+}
+
+fn row(candidate: &Candidate, levels: &[(String, Spread)]) -> Vec<String> {
+    let of = &candidate.error;
+    let mut cells = vec![candidate.design.clone(), candidate.estimator.clone()];
+    cells.extend([of.median, of.low, of.high].map(|value| significant(value, 3)));
+    cells.extend(levels.iter().map(|(level, _)| {
+        let found = candidate.by_level.iter().find(|(name, _)| name == level);
+        found.map_or_else(|| "–".to_owned(), |(_, spread)| significant(spread.median, 3))
+    }));
+    cells
+}
+
+fn spread(spread: &Spread, unit: &str) -> String {
+    let [median, low, high] = [spread.median, spread.low, spread.high].map(|value| significant(value, 3));
+    format!("{median} {unit} (90 % of the simulated arms: {low} to {high})")
+}
+
+/// What decides, and its unit.
+const fn words(purpose: Purpose) -> (&'static str, &'static str) {
+    match purpose {
+        Purpose::Torque => ("RMS error of measured torque on fast motions", "N·m"),
+        Purpose::Simulation => ("RMS error of torque on fast motions", "N·m"),
+        Purpose::PointToPoint => ("RMS error of torque from point to point", "N·m"),
+        Purpose::Slow => ("RMS error of torque on slow motions", "N·m"),
+        Purpose::Parameters => ("RMS error of the parameters", "reference units"),
+    }
+}

@@ -1,0 +1,78 @@
+//! `armid advise`
+
+use armid::study::{DriveKind, Purpose};
+use armid_io::Error;
+use armid_workflow::advice::{AdviceSettings, advise};
+use miette::Result;
+
+use crate::answers::advice::advice_text;
+use crate::arguments::{RobotArguments, one_of};
+use crate::terminal::{Answer, Console, Ending, Watch, report_folder};
+
+/// Longest time on the robot, minutes.
+const MOST_MINUTES: f64 = 120.0;
+
+const AFTER_HELP: &str = "\
+A study compares designs and estimators on arms around the nominal one, with the effects that such drives may have, at \
+four levels from none to twice the realistic one. The folder gets the study with its page, the best motion, and an \
+experiment that performs it. What a URDF does not state is assumed and listed.
+
+Examples:
+  armid advise crs-a460
+  armid advise arm.urdf --tip-link tool0 --drive planetary --minutes 3 -o advice
+  armid advise lab/robot.toml --for point-to-point";
+
+/// Find the motion and the estimator for an arm before it moves
+#[derive(Debug, clap::Args)]
+#[command(after_help = AFTER_HELP)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    robot: RobotArguments,
+    /// Drives of the arm, which say what its model may omit
+    #[arg(long, default_value = "harmonic", value_parser = one_of(&DriveKind::ALL, DriveKind::name))]
+    drive: DriveKind,
+    /// What the model is for
+    #[arg(long = "for", value_name = "PURPOSE", default_value = "torque", value_parser = one_of(&Purpose::ALL, Purpose::name))]
+    purpose: Purpose,
+    /// Time on the robot, minutes
+    #[arg(long, value_name = "MIN", default_value_t = 1.0)]
+    minutes: f64,
+    /// Arms drawn around the nominal one
+    #[arg(long, value_name = "N", default_value_t = 6)]
+    arms: u32,
+    /// Seed of every random number
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    seed: u64,
+    /// Resume from the finished work in the output folder
+    #[arg(long)]
+    resume: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    if !(arguments.minutes > 0.0 && arguments.minutes <= MOST_MINUTES) {
+        let message = format!("--minutes is {}, expected more than 0 and at most {MOST_MINUTES}", arguments.minutes);
+        return Err(Error::new(message).into());
+    }
+    if arguments.arms == 0 {
+        return Err(Error::new("--arms is 0, expected at least 1").into());
+    }
+    let loaded = arguments.robot.load()?;
+    let output = match console.output() {
+        Some(folder) => folder.to_path_buf(),
+        None => report_folder("name of the robot", &format!("{}-advice", loaded.robot.name()))?,
+    };
+    let settings = AdviceSettings {
+        ends: arguments.robot.chain.ends(),
+        drive: arguments.drive,
+        purpose: arguments.purpose,
+        minutes: arguments.minutes,
+        arms: arguments.arms as usize,
+        seed: arguments.seed,
+        resume: arguments.resume,
+        ..AdviceSettings::new(arguments.robot.robot.clone(), output)
+    };
+    let Some(answer) = advise(&settings, &Watch::new(console))? else { return Ok(Ending::Interrupted) };
+    let json = serde_json::to_value(&answer).map_err(Error::of)?;
+    console.show(&Answer { text: advice_text(&answer), json })?;
+    Ok(if answer.limits_kept { Ending::Done } else { Ending::Negative })
+}

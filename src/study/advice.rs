@@ -1,0 +1,177 @@
+//! Plans of studies that choose design, duration and estimator for an arm before it moves.
+
+use super::metric::Metric;
+use super::plan::StudyPlan;
+use crate::experiment::EffectKind;
+use crate::model::format::FormatError;
+
+/// What turns a joint: it says which effects an arm may have that its model omits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DriveKind {
+    /// A strain wave gear.
+    Harmonic,
+    /// A planetary or spur gear.
+    Planetary,
+    /// A toothed belt.
+    Belt,
+    /// A motor without a gear.
+    Direct,
+    /// A hobby servo.
+    Servo,
+}
+
+crate::input::named! { DriveKind {
+    Harmonic: "harmonic", Planetary: "planetary", Belt: "belt", Direct: "direct", Servo: "servo"
+} }
+
+impl DriveKind {
+    /// The effects that such a drive may have.
+    pub const fn effects(self) -> &'static [EffectKind] {
+        use EffectKind as E;
+        match self {
+            Self::Harmonic => &[E::LoadFriction, E::Elasticity, E::Hysteresis, E::TorqueRipple, E::Warming],
+            Self::Planetary => &[E::LoadFriction, E::Backlash, E::Stribeck, E::Warming],
+            Self::Belt => &[E::Elasticity, E::Hysteresis, E::Stribeck],
+            Self::Direct => &[E::Cogging, E::TorqueRipple, E::TorqueConstant, E::CurrentLag],
+            Self::Servo => &[E::LoadFriction, E::Backlash, E::Stribeck, E::CurrentLag],
+        }
+    }
+}
+
+/// What a model is for: the error that decides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Purpose {
+    /// Measured torque on fast random motions.
+    Torque,
+    /// Torque of an arm without its effects, as a simulator has it, on fast random motions.
+    Simulation,
+    /// The same on moves from point to point.
+    PointToPoint,
+    /// The same at 30 % of the speed.
+    Slow,
+    /// The parameters themselves, in reference units.
+    Parameters,
+}
+
+crate::input::named! { Purpose {
+    Torque: "torque", Simulation: "simulation", PointToPoint: "point-to-point", Slow: "slow", Parameters: "parameters"
+} }
+
+impl Purpose {
+    /// The metric that decides.
+    pub const fn metric(self) -> Metric {
+        match self {
+            Self::Torque => Metric::Measured,
+            Self::Simulation => Metric::Prediction,
+            Self::PointToPoint => Metric::PointToPoint,
+            Self::Slow => Metric::Slow,
+            Self::Parameters => Metric::Reference,
+        }
+    }
+}
+
+/// What a study that gives advice is made for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AdvicePlan {
+    /// Bundled name of the robot, or path of its file.
+    pub robot: String,
+    /// Its drives.
+    pub drive: DriveKind,
+    /// Recorded periods of the experiment, of [`AdvicePlan::PERIOD_S`] each.
+    pub periods: usize,
+    /// Samples in a second.
+    pub rate_hz: f64,
+    /// Arms that are drawn around the nominal one.
+    pub arms: usize,
+    /// Every random number comes from it.
+    pub seed: u64,
+}
+
+impl AdvicePlan {
+    /// Period of each candidate, s.
+    pub const PERIOD_S: f64 = 10.0;
+    /// Periods that are performed and not recorded.
+    pub const DISCARDED_PERIODS: usize = 1;
+    /// Levels of the effects, in parts of the realistic one; each is as probable as the others.
+    pub const LEVELS: [(&'static str, f64); 4] =
+        [("no effects", 0.0), ("quarter level", 0.25), ("realistic level", 1.0), ("double level", 2.0)];
+    /// Estimators that are compared.
+    pub const ESTIMATORS: [&'static str; 2] = ["wls", "irls-huber"];
+    /// Criteria whose designs are compared.
+    pub const CRITERIA: [&'static str; 4] = ["d-optimal", "condition", "i-optimal", "a-optimal"];
+
+    /// The text of `study.toml`.
+    pub fn text(&self) -> String {
+        let realistic = |part: f64| {
+            let effects = self.drive.effects().iter().map(move |kind| (kind, part * kind.entry().realistic));
+            effects.filter(move |_| part > 0.0).map(|(kind, size)| format!("{} = {size:?}", kind.entry().name))
+        };
+        let sets =
+            Self::LEVELS.map(|(_, part)| format!("    {{ {} }},", realistic(part).collect::<Vec<_>>().join(", ")));
+        let designs = Self::CRITERIA.map(|criterion| {
+            format!("\n[[design]]\nname = \"{criterion}\"\nmaking = \"optimised\"\ncriterion = \"{criterion}\"\nstarts = 2\nevaluations = 200\n")
+        });
+        format!(
+            "# Which motion and which estimator, before the arm moves: arms around the nominal one, with effects of {drive} drives.\n\
+             name = \"advice\"\n\
+             question = \"Which motion, and which estimator, for this arm?\"\n\
+             robot = {robot}\nseed = {seed}\nruns = {arms}\n\n\
+             # No effect, and the effects that such drives may have at three levels; the model has none of them.\n\
+             conditions = [\n{sets}\n]\ncondition_names = [{names}]\n\n\
+             [experiment]\nperiod_s = {period:?}\nharmonics = 5\nrate_hz = {rate:?}\nperiods = {periods}\ndiscarded_periods = {discarded}\n\n\
+             [identification]\ncolumns = \"rigid+rotor+friction\"\nderivatives = \"fourier\"\nsamples_per_period = 250\n\
+             estimators = [{estimators}]\n\n\
+             [validation]\ntrajectories = 10\nsamples = 100\nmeasured = 3\n\n\
+             # Run k of every design is on arm k.\n[truths]\ncount = {arms}\n\n\
+             [reference]\nmass_kg = 0.1\nfirst_moment_kg_m = 0.02\ninertia_kg_m2 = 0.01\nviscous_nm_s_rad = 0.1\ntorque_nm = 0.1\n\
+             {designs}",
+            drive = self.drive.name(),
+            robot = toml::Value::from(self.robot.as_str()),
+            seed = self.seed,
+            arms = self.arms,
+            sets = sets.join("\n"),
+            names = quoted(Self::LEVELS.map(|(name, _)| name)),
+            period = Self::PERIOD_S,
+            rate = self.rate_hz,
+            periods = self.periods,
+            discarded = Self::DISCARDED_PERIODS,
+            estimators = quoted(Self::ESTIMATORS),
+            designs = designs.concat(),
+        )
+    }
+
+    /// The plan.
+    ///
+    /// # Errors
+    /// [`FormatError`] where a number is outside of what a study allows.
+    pub fn plan(&self) -> Result<StudyPlan, FormatError> {
+        StudyPlan::from_toml(&self.text())
+    }
+}
+
+fn quoted<const N: usize>(names: [&str; N]) -> String {
+    names.map(|name| format!("\"{name}\"")).join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Effects;
+
+    #[test]
+    fn a_plan_of_every_drive_is_one_and_its_levels_are_parts_of_the_realistic_one() {
+        for drive in DriveKind::ALL {
+            let made = AdvicePlan { robot: "crs-a460".to_owned(), drive, periods: 6, rate_hz: 500.0, arms: 4, seed: 3 };
+            let plan = made.plan().unwrap();
+            assert_eq!((plan.effect_sets.len(), plan.designs.len()), (4, 4));
+            assert_eq!(plan.effect_sets[0], Effects::none());
+            for (set, (_, part)) in plan.effect_sets.iter().zip(AdvicePlan::LEVELS) {
+                for &kind in drive.effects() {
+                    assert_eq!(set.magnitude(kind), part * kind.entry().realistic);
+                }
+            }
+        }
+    }
+}
