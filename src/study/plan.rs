@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use super::family_plan::{DesignMethod, FamilyPlan};
 use super::grid::GridPlan;
+use super::motion_kind::MotionKind;
 use super::own_methods::OwnMethods;
 use super::plan_error::{StudyPlanError, family_name, name, number};
 use super::random_truth::RandomTruths;
-use super::validation::MotionKind;
 use super::variance_reduction::VarianceReduction;
 use crate::estimation::Estimator;
 use crate::experiment::{Effects, ExpectedEffectError};

@@ -12,8 +12,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::measured_motion::MeasuredMotions;
+use super::motion_kind::MotionKind;
 use super::truth::Truth;
-use super::validation::{MotionKind, ValidationMotions};
+use super::validation::ValidationMotions;
 use crate::base::BaseReduction;
 use crate::dynamics::States;
 use crate::model::{ReferenceUnits, Robot};

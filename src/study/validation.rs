@@ -29,6 +29,7 @@
 
 use rand::RngExt;
 
+use super::motion_kind::MotionKind;
 use super::plan::{ExperimentSettings, ValidationSettings};
 use super::point_to_point::PointToPointMove;
 use super::torque_rating::TorqueRating;
@@ -68,32 +69,6 @@ const POSE_DRAWS: u64 = 10_000;
 
 /// What a further draw's amplitudes are multiplied with.
 const SMALLER: f64 = 0.95;
-
-/// A kind of motion on which torque predictions are tested.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MotionKind {
-    /// Random trajectories.
-    #[default]
-    Random,
-    /// The same at 30 % of their speed.
-    Slow,
-    /// Quintic moves between random poses.
-    PointToPoint,
-    /// Random poses at rest.
-    Static,
-}
-
-crate::input::named! { MotionKind as title {
-    Random: "random", Slow: "slow", PointToPoint: "point to point", Static: "static"
-} }
-
-impl MotionKind {
-    #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-    pub(super) const fn is_random(&self) -> bool {
-        matches!(self, Self::Random)
-    }
-}
 
 /// The validation motions of a study.
 ///

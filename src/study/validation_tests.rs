@@ -2,12 +2,13 @@
 
 use nalgebra::{DVector, Vector3};
 
+use super::motion_kind::MotionKind;
 use super::plan::{ExperimentSettings, StudyPlan, ValidationSettings};
 use super::scorer::Scorer;
 use super::setup::StudySetup;
 use super::truth::Truth;
 use super::truth_files::truth_text;
-use super::validation::{MotionKind, ValidationError, ValidationMotions};
+use super::validation::{ValidationError, ValidationMotions};
 use crate::base::{Method, reduce};
 use crate::dynamics::{Dynamics, States};
 use crate::excitation::radkhah2007_start;

@@ -22,9 +22,9 @@ use crate::study::evidence::Findings;
 use crate::study::family_plan::DesignMethod;
 use crate::study::family_score::FamilyScore;
 use crate::study::metric::Metric;
+use crate::study::motion_kind::MotionKind;
 use crate::study::setup::StudySetup;
 use crate::study::truth::Truth;
-use crate::study::validation::MotionKind;
 
 /// Makes an arm with these sensors for one run.
 pub type ArmFactory<'a> = &'a (dyn Fn(&Sensing, RunNoise) -> Result<Box<dyn Arm>, String> + Sync);
