@@ -170,7 +170,7 @@ def test_logs_that_cannot_be_used_are_refused(robot, log, tmp_path):
     stamps = np.arange(100) / 100.0
     for call, said in [
         (lambda: armid.Log.from_arrays(q, q), "expected either t="),
-        (lambda: armid.Log.from_arrays(q, q, current=q, rate=1.0), "exactly one of tau= and current="),
+        (lambda: armid.Log.from_arrays(q, q, current=q, rate=1.0), "exactly one of tau=, current= and q_cmd="),
         (lambda: armid.Log.from_arrays(q, q, t=stamps[::-1]), "row 1"),
         (lambda: armid.Log.from_arrays(q, q, t=stamps[:5]), "t has 5 values, expected 100"),
         (lambda: armid.Log.from_arrays(q, q[:50], rate=1.0), "the efforts has 50 rows"),

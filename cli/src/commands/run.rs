@@ -186,7 +186,7 @@ fn show_poses(experiment: &Experiment, recording: &Path, console: &Console) -> R
     let place = PathBuf::from(place);
     let svg = figure.svg().map_err(|fault| Fault::new(format!("the poses cannot be drawn: {fault}")))?;
     write_text(&place, &svg)?;
-    console.note(&format!("how the arm will move: {}", place.display()));
+    console.note(format!("how the arm will move: {}", place.display()));
     Ok(())
 }
 
