@@ -96,30 +96,6 @@ pub fn limits_figure(example: &LimitExample, joints: &[String], heading: Heading
     })
 }
 
-#[cfg(test)]
-mod tests {
-    use armid::chains::planar_2r;
-    use armid::excitation::{DesignBudget, DesignLimits, DesignProblem, random_design};
-    use armid::model::Columns;
-    use armid::seed::Seed;
-
-    use super::*;
-
-    #[test]
-    fn a_curve_is_drawn_for_each_design_with_a_history() {
-        let limits = DesignLimits::of_motion();
-        let mut problem = DesignProblem::new(planar_2r(), Columns::RIGID, CriterionKind::Condition, limits).unwrap();
-        problem.set_budget(DesignBudget::new(20).unwrap());
-        let drawn = random_design(&problem, Seed::new(3), 0).unwrap();
-        let without = Design { history: Vec::new(), ..drawn.clone() };
-        let figure = design_convergence("arm", &[drawn.clone(), without.clone()], Some(&drawn)).unwrap();
-        let labels: Vec<&str> = figure.panels[0].curves.iter().map(|curve| curve.label.as_str()).collect();
-        assert_eq!(labels, ["optimiser", "random draws"]);
-        assert!(design_convergence("arm", &[without], None).is_none());
-        assert!(design_convergence("arm", &[], Some(&drawn)).is_none());
-    }
-}
-
 /// Samples of a period in which poses are looked for.
 const PATH: usize = 400;
 /// Poses at equal times.
@@ -167,4 +143,28 @@ pub fn poses_figure(robot: &Robot, trajectory: &PeriodicTrajectory) -> PosesFigu
     ))
     .caption("Lines join the origins of the joints' frames. All poses are seen from one side, at one scale.");
     PosesFigure { heading, poses, path }
+}
+
+#[cfg(test)]
+mod tests {
+    use armid::chains::planar_2r;
+    use armid::excitation::{DesignBudget, DesignLimits, DesignProblem, random_design};
+    use armid::model::Columns;
+    use armid::seed::Seed;
+
+    use super::*;
+
+    #[test]
+    fn a_curve_is_drawn_for_each_design_with_a_history() {
+        let limits = DesignLimits::of_motion();
+        let mut problem = DesignProblem::new(planar_2r(), Columns::RIGID, CriterionKind::Condition, limits).unwrap();
+        problem.set_budget(DesignBudget::new(20).unwrap());
+        let drawn = random_design(&problem, Seed::new(3), 0).unwrap();
+        let without = Design { history: Vec::new(), ..drawn.clone() };
+        let figure = design_convergence("arm", &[drawn.clone(), without.clone()], Some(&drawn)).unwrap();
+        let labels: Vec<&str> = figure.panels[0].curves.iter().map(|curve| curve.label.as_str()).collect();
+        assert_eq!(labels, ["optimiser", "random draws"]);
+        assert!(design_convergence("arm", &[without], None).is_none());
+        assert!(design_convergence("arm", &[], Some(&drawn)).is_none());
+    }
 }

@@ -1,0 +1,166 @@
+//! The study, and the best of its candidates.
+
+use std::path::{Path, PathBuf};
+
+use armid::excitation::Termination;
+use armid::observer::Observer;
+use armid::remedy::{Remedy, Setting};
+use armid::statistics::Spread;
+use armid::study::{AdvicePlan, StudyDesign, StudyPlans, StudyResult};
+use armid_io::output::write_text;
+use armid_io::study::run_values;
+use armid_io::{Error, Text, robot};
+
+use super::answer::{AdviceAnswer, Candidate};
+use super::settings::AdviceSettings;
+use crate::study::{StudyAnswer, StudySettings, perform};
+
+/// Rate that an experiment is sampled at, at most, Hz.
+const MOST_RATE_HZ: f64 = 500.0;
+
+/// Performs the study, and finds the best candidate. The folder of the settings gets the study with its page, the motion, and an
+/// experiment to run; and the robot file that it is for, where something had to be assumed. `None` where the observer ended it.
+///
+/// # Errors
+/// [`Error`] where the robot states too little, the folder holds another study, or no candidate gave an estimate.
+pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Option<AdviceAnswer>, Error> {
+    let folder = settings.output.as_path();
+    check_free(folder)?;
+    let place = folder.join("robot.toml");
+    let assumed = robot::assume(&settings.robot, &settings.ends, &place)?;
+    let mut assumptions = Vec::new();
+    let named = match assumed {
+        Some(file) => {
+            if Text::read(&place).is_ok_and(|there| *there.content != *file.text) {
+                return Err(taken(&place));
+            }
+            write_text(&place, &file.text)?;
+            assumptions = file.assumptions;
+            "robot.toml".to_owned()
+        }
+        None if robot::named(&settings.robot).is_ok() => settings.robot.clone(),
+        None => absolute(Path::new(&settings.robot))?.display().to_string(),
+    };
+    let loaded = robot::load(&named, &settings.ends, Some(folder))?;
+    let servo_hz = loaded.robot.servo().rate_hz;
+    let made = AdvicePlan {
+        robot: named.clone(),
+        drive: settings.drive,
+        purpose: settings.purpose,
+        periods: settings.periods(),
+        rate_hz: servo_hz / (servo_hz / MOST_RATE_HZ).ceil(),
+        arms: settings.arms,
+        seed: settings.seed,
+    };
+    let plan = made.plan().map_err(Error::of)?;
+    let study = StudySettings {
+        output: folder.to_path_buf(),
+        beside: Some(folder.to_path_buf()),
+        threads: settings.threads,
+        resume: settings.resume,
+        ..StudySettings::default()
+    };
+    let StudyAnswer::Whole(summary) = perform(&StudyPlans::One(Box::new(plan)), &study, observer)? else {
+        return Ok(None);
+    };
+    let mut candidates = candidates(folder, &summary.result, settings)?;
+    candidates.sort_by(|a, b| a.error.median.total_cmp(&b.error.median));
+    let Some(best) = candidates.first() else {
+        return Err(Error::new(format!(
+            "all {} runs of the study failed, expected one estimate at least",
+            summary.runs
+        )));
+    };
+    let family = summary.result.plan.designs.iter().position(|design| design.name == best.design).unwrap_or(0);
+    let is_inside = |design: &StudyDesign| design.termination.as_ref().is_some_and(Termination::is_feasible);
+    let designs = summary.result.designs.iter().filter(|design| design.family == family);
+    let design =
+        designs.min_by(|a, b| is_inside(b).cmp(&is_inside(a)).then_with(|| a.own_value().total_cmp(&b.own_value())));
+    let trajectory = folder.join("trajectory.toml");
+    if let Some(design) = design {
+        write_text(&trajectory, &design.trajectory.to_toml())?;
+    }
+    let experiment = folder.join("experiment.toml");
+    write_text(
+        &experiment,
+        &format!(
+            "# The best motion for this arm by its study: {} with {}.\nname = \"advised\"\nrobot = {}\ntrajectory = \"trajectory.toml\"\n\
+             rate_hz = {:?}\nperiods = {}\ndiscarded_periods = {}\n",
+            best.design,
+            best.estimator,
+            quoted(&named),
+            made.rate_hz,
+            made.periods,
+            AdvicePlan::DISCARDED_PERIODS
+        ),
+    )?;
+    Ok(Some(AdviceAnswer {
+        robot: loaded.robot.name().to_owned(),
+        drive: settings.drive,
+        purpose: settings.purpose,
+        duration_s: AdvicePlan::PERIOD_S * made.periods as f64,
+        poorly_determined: poorly_determined(&summary.result, best),
+        parameters: summary.result.parameters.len(),
+        limits_kept: design.is_some_and(is_inside),
+        candidates,
+        assumptions,
+        trajectory,
+        experiment,
+        report: summary.report,
+        runs: summary.runs,
+        failed: summary.failed,
+    }))
+}
+
+/// Nothing of another kind is written over.
+fn check_free(folder: &Path) -> Result<(), Error> {
+    let places = ["robot.toml", "trajectory.toml", "experiment.toml"].map(|name| folder.join(name));
+    match places.iter().find(|place| place.exists()) {
+        Some(place) if !folder.join("study.toml").exists() => Err(taken(place)),
+        _ => Ok(()),
+    }
+}
+
+fn taken(place: &Path) -> Error {
+    let message =
+        format!("{} is there already, expected a folder without it: nothing is written over", place.display());
+    Error::new(message).help(Remedy::default().setting(Setting::Output).say(" chooses another folder"))
+}
+
+/// Every design with every estimator, by the runs that are stored in a folder.
+fn candidates(folder: &Path, result: &StudyResult, settings: &AdviceSettings) -> Result<Vec<Candidate>, Error> {
+    let values = run_values(folder, settings.purpose.metric())?;
+    let mut all = Vec::new();
+    for design in &result.plan.designs {
+        for estimator in &result.plan.identification.estimators {
+            let of = |condition: Option<&str>| {
+                let runs = values.iter().filter(|run| run.family == design.name && run.estimator == *estimator);
+                let runs = runs.filter(|run| condition.is_none_or(|condition| run.condition == condition));
+                runs.filter_map(|run| run.value).collect::<Vec<f64>>()
+            };
+            let Some(error) = Spread::of(&of(None)) else { continue };
+            let levels = result.conditions.iter().map(|condition| &condition.condition.name);
+            let by_level = levels.filter_map(|name| Some((name.clone(), Spread::of(&of(Some(name)))?))).collect();
+            all.push(Candidate { design: design.name.clone(), estimator: estimator.clone(), error, by_level });
+        }
+    }
+    Ok(all)
+}
+
+/// Parameters whose stated standard deviation is more than a third of their value, without effects.
+fn poorly_determined(result: &StudyResult, best: &Candidate) -> Vec<String> {
+    let scores = &result.findings().families;
+    let score = scores.iter().find(|score| score.family == best.design && score.estimator == best.estimator);
+    let of = score.map_or(&[][..], |score| &score.parameters);
+    let pairs = result.parameters.iter().zip(of);
+    pairs.filter(|(line, score)| score.stated_std > line.truth.abs() / 3.0).map(|(line, _)| line.name.clone()).collect()
+}
+
+fn absolute(path: &Path) -> Result<PathBuf, Error> {
+    std::path::absolute(path).map_err(|error| Error::unreadable(path, &error))
+}
+
+/// A text as TOML has it.
+fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
