@@ -299,8 +299,8 @@ impl fmt::Display for Finding {
                 )?;
                 let Some(MisfitPart { against, range: [from, to], range_unit, rms }) = most else { return Ok(()) };
                 let variable = against.name();
-                let (from, to, rms) = (three(*from), three(*to), three(*rms));
-                write!(f, "; largest at a {variable} of {from} to {to} {range_unit}: {rms} {unit}")
+                let rms = three(*rms);
+                write!(f, "; largest at a {variable} of {from:.3} to {to:.3} {range_unit}: {rms} {unit}")
             }
             Self::ResidualCorrelated { joint, correlation, expected } => write!(
                 f,
