@@ -186,6 +186,20 @@ mod tests {
     }
 
     #[test]
+    fn the_best_design_has_the_largest_determinant_or_the_smallest_condition_number() {
+        for kind in [CriterionKind::DOptimal, CriterionKind::Condition] {
+            let problem = problem(Columns::RIGID, kind, 30);
+            let designs: Vec<Design> = (0..3).map(|start| design(&problem, Seed::new(7), start).unwrap()).collect();
+            let values = designs.iter().map(|design| design.value);
+            let best = match kind {
+                CriterionKind::DOptimal => values.fold(f64::NEG_INFINITY, f64::max),
+                _ => values.fold(f64::INFINITY, f64::min),
+            };
+            assert_eq!(best_of(&designs).unwrap().value, best, "{}", kind.name());
+        }
+    }
+
+    #[test]
     fn identity_a_design_that_is_ended_is_the_best_so_far() {
         let problem = problem(Columns::RIGID, CriterionKind::DOptimal, 200);
         let at_most = |most: usize| {

@@ -175,6 +175,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn lags_are_square_and_of_one_size() {
+        let of = |lags: Vec<DMatrix<f64>>| {
+            let weights = vec![1.0; lags.len()];
+            NoiseModel { lags, weights, wraps: false, degrees_of_freedom: 9.0 }.check()
+        };
+        assert!(of(vec![DMatrix::identity(2, 2); 3]).is_ok());
+        assert!(of(Vec::new()).is_err() && of(vec![DMatrix::zeros(0, 0)]).is_err());
+        assert!(of(vec![DMatrix::identity(2, 2), DMatrix::identity(3, 3)]).is_err());
+        assert!(of(vec![DMatrix::zeros(2, 3)]).is_err());
+    }
+
+    #[test]
     fn identity_apply_is_the_product_with_the_whole_matrix() {
         let (n, count) = (2, 7);
         let lags = [

@@ -143,3 +143,25 @@ impl Processing {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_without_meaning_are_named() {
+        let usual = Processing::default();
+        assert!(usual.check().is_ok());
+        for (wrong, words) in [
+            (Processing { bandwidth: Bandwidth::Harmonics(0), ..usual.clone() }, "0 harmonics"),
+            (Processing { cutoff_hz: Some(0.0), ..usual.clone() }, "0 Hz"),
+            (Processing { samples_per_period: 7, ..usual.clone() }, "7"),
+            (Processing { reversal_fraction: 0.5, ..usual.clone() }, "0.5"),
+            (Processing { reversal_cycles: 10.1, ..usual.clone() }, "10.1"),
+        ] {
+            let fault = wrong.check().expect_err(words).to_string();
+            assert!(fault.contains(words), "{fault}");
+        }
+        assert!(Processing { bandwidth: Bandwidth::Harmonics(1), ..usual }.check().is_ok());
+    }
+}

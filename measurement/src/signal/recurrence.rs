@@ -215,7 +215,7 @@ fn spread<'a>(x: impl Iterator<Item = &'a f64>) -> f64 {
 mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
-    use super::{Recurrence, recurrence};
+    use super::{Record, Recurrence, recurrence};
     use crate::seed::Seed;
 
     const RATE_HZ: f64 = 100.0;
@@ -241,6 +241,21 @@ mod tests {
             }
         }
         q
+    }
+
+    #[test]
+    fn ends_that_differ_more_than_usual_are_trimmed() {
+        let lag = 50;
+        // A motion that repeats to a thousandth, but for the first 20 samples and, a lag later, the last 10.
+        let x = |k: usize| {
+            let wave = libm::sin(std::f64::consts::TAU * k as f64 / lag as f64);
+            let off = if k < 20 || k >= 240 { 0.1 } else { 0.0 };
+            wave + off + 1e-3 * libm::sin(1.7 * k as f64)
+        };
+        let record = Record { x: (0..250).map(x).collect(), dof: 1, step: 1 };
+        assert_eq!(record.trimmed(0..200, lag), 20..190);
+        // What would be left is less than two further periods: the run stays whole.
+        assert_eq!(record.trimmed(0..110, lag), 0..110);
     }
 
     #[test]

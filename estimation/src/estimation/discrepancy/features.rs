@@ -134,3 +134,23 @@ fn harmonics(count: usize, spread: f64) -> DMatrix<f64> {
         weight * if at % 2 == 0 { libm::cos(phase) } else { libm::sin(phase) }
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identity_harmonics_are_orthogonal_and_weigh_less_the_higher_they_are() {
+        let (count, spread) = (48, 4.0);
+        let columns = harmonics(count, spread);
+        let gram = columns.tr_mul(&columns);
+        for i in 0..columns.ncols() {
+            for j in 0..columns.ncols() {
+                // Sampled at the middles, ∑ cos² = ∑ sin² = count/2, and all other products are zero.
+                let h = (i / 2 + 1) as f64;
+                let expected = if i == j { 0.5 * count as f64 * (-0.5 * (h / spread).powi(2)).exp() } else { 0.0 };
+                assert!((gram[(i, j)] - expected).abs() < 1e-12 * count as f64, "{i} {j}: {}", gram[(i, j)]);
+            }
+        }
+    }
+}

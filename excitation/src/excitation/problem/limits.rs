@@ -275,3 +275,31 @@ impl DesignLimits {
         inner.map_err(ExcitationError::PositionMargin)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chains;
+
+    #[test]
+    fn analytic_a_margin_narrows_the_range_from_both_ends() {
+        let mut robot = chains::planar_2r();
+        for (at, range) in [(-1.0, 2.0), (-0.5, 0.75)].into_iter().enumerate() {
+            let mut joint = 0..;
+            robot = robot
+                .with_joints(|one| {
+                    if joint.next() == Some(at) {
+                        one.limits.position = range;
+                    }
+                })
+                .unwrap();
+        }
+        let limits = DesignLimits::of_motion().with_position_margin(vec![0.25, 0.0]).unwrap();
+        let inner = limits.inner_robot(&robot).unwrap();
+        let ranges: Vec<(f64, f64)> = inner.joints().iter().map(|joint| joint.limits.position).collect();
+        assert_eq!(ranges, [(-0.75, 1.75), (-0.5, 0.75)]);
+        // More than the whole range leaves none.
+        let limits = DesignLimits::of_motion().with_position_margin(vec![1.6, 0.0]).unwrap();
+        assert!(limits.inner_robot(&robot).is_err());
+    }
+}
