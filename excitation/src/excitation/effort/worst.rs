@@ -231,3 +231,18 @@ pub(super) fn refine(
     let (part, ratio) = climb(ratio, (peak.part, peak.ratio), around, REFINED * step);
     Peak { part, ratio, ..peak }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_is_that_of_its_own_segment_and_the_whole_of_one_that_is_not_there() {
+        let sampled = |segment, count| Sampled { segment, count, loads: vec![(3.0, 1.0); count] };
+        let survey =
+            Survey { limits: vec![8.0], segments: vec![sampled(Segment::Period, 10), sampled(Segment::RampIn, 4)] };
+        assert_eq!([Segment::Period, Segment::RampIn, Segment::RampOut].map(|of| survey.step(of)), [0.1, 0.25, 1.0]);
+        // Value and spread add up: 4 at each sample.
+        assert_eq!(survey.root_mean_square(0), 4.0);
+    }
+}
