@@ -66,12 +66,15 @@ def test_ctrl_c_ends_a_design_while_other_threads_run():
 
     other = threading.Thread(target=tick)
     other.start()
+    # A shell that starts a program in the background has it ignore this signal.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     asked = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
     asked.start()
     try:
         with pytest.raises(KeyboardInterrupt):
             endless()
     finally:
+        signal.signal(signal.SIGINT, before)
         over.set()
         other.join()
     assert len(ticks) > 5
