@@ -249,7 +249,7 @@ mod tests {
         // A motion that repeats to a thousandth, but for the first 20 samples and, a lag later, the last 10.
         let x = |k: usize| {
             let wave = libm::sin(std::f64::consts::TAU * k as f64 / lag as f64);
-            let off = if k < 20 || k >= 240 { 0.1 } else { 0.0 };
+            let off = if (20..240).contains(&k) { 0.0 } else { 0.1 };
             wave + off + 1e-3 * libm::sin(1.7 * k as f64)
         };
         let record = Record { x: (0..250).map(x).collect(), dof: 1, step: 1 };
