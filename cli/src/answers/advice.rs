@@ -17,7 +17,7 @@ pub(crate) fn advice_text(answer: &AdviceAnswer) -> String {
     let Some(best) = answer.candidates.first() else { return String::new() };
     let (measure, unit) = words(answer.purpose);
     let mut text = format!(
-        "{}: the {} motion for {} s, estimated by {}\n\n  expected {measure}: {}\n",
+        "{}: the motion \"{}\" for {} s, estimated by {}\n\n  expected {measure}: {}\n",
         answer.robot,
         best.design,
         significant(answer.duration_s, 4),
@@ -37,7 +37,7 @@ pub(crate) fn advice_text(answer: &AdviceAnswer) -> String {
         let _ = writeln!(text, "  not determined: {}{more}", named.join(", "));
     }
     if !answer.limits_kept {
-        text.push_str("  the motion exceeds a limit: see the page, and give more limits or a longer period\n");
+        text.push_str("  the motion exceeds a limit: the page shows which\n");
     }
     let _ = write!(
         text,
@@ -86,7 +86,7 @@ fn row(candidate: &Candidate, levels: &[(String, Spread)]) -> Vec<String> {
 
 fn spread(spread: &Spread, unit: &str) -> String {
     let [median, low, high] = [spread.median, spread.low, spread.high].map(|value| significant(value, 3));
-    format!("{median} {unit} (90 % of the simulated arms: {low} to {high})")
+    format!("{median} {unit} (90 % of the simulated runs: {low} to {high})")
 }
 
 /// What decides, and its unit.
