@@ -73,7 +73,7 @@ mod tests {
             let square = |k: usize| (states.qdd[k] + w * w * libm::sin(w * k as f64 / rate_hz)).powi(2);
             ((400..3600).map(square).sum::<f64>() / 3200.0).sqrt()
         };
-        // Noise of the acceleration goes with the band to the power 2.5: at 2 Hz by a factor of 56.
+        // Noise of the acceleration goes with the band to the power 2.5: at 4 Hz by a factor of ten.
         let (raw, calm) = (error(&samples.states), error(&samples.calm_states().unwrap()));
         assert!(raw > 0.04 && calm < 0.2 * raw, "{raw} {calm}");
     }

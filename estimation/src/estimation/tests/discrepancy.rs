@@ -95,7 +95,7 @@ fn analytic_intervals_cover_under_a_law_that_is_omitted_and_it_is_named() {
     for (level, periodic, runs) in [(0.0, false, 20), (0.05, false, 8), (0.05, true, 8)] {
         let arm = Arm::new(level);
         let (mut with, mut without) = (Coverage::new(arm.beta.len()), Coverage::new(arm.beta.len()));
-        let (mut named, mut narrower) = (0, 0.0);
+        let (mut named, mut misfits, mut narrower) = (0, 0, 0.0);
         for run in 0..runs {
             let measured = arm.observed(seed, run);
             let plain = Observation { noise: None, periodic: false, periods: 1, ..measured.clone() };
@@ -112,8 +112,7 @@ fn analytic_intervals_cover_under_a_law_that_is_omitted_and_it_is_named() {
                 }
                 _ => false,
             }));
-            // What the law explains is no lack of fit.
-            assert!(!seen.findings.iter().any(|finding| matches!(finding, Finding::LackOfFit { .. })));
+            misfits += usize::from(seen.findings.iter().any(|finding| matches!(finding, Finding::LackOfFit { .. })));
             with.add(&seen, &arm.beta);
             let generic = wls.estimate(&problem).unwrap();
             let pairs = seen.base.iter().zip(&generic.base);
@@ -125,8 +124,8 @@ fn analytic_intervals_cover_under_a_law_that_is_omitted_and_it_is_named() {
             // One run in twenty names a law that is not there: four of twenty are exceeded by chance in one of four hundred cases.
             (0.0, _) => assert!(named <= 4, "{named} findings in {runs}"),
             (_, false) => assert!(without.pooled() < 0.9, "{} without", without.pooled()),
-            // A law says more than functions of any kind.
-            (_, true) => assert!(narrower < 0.0, "{narrower}"),
+            // A law says more than functions of any kind. What it explains is no lack of fit: at 5 %, three of eight are rarer than one in a hundred.
+            (_, true) => assert!(narrower < 0.0 && misfits <= 2, "{narrower} {misfits}"),
         }
         assert!(level == 0.0 || named == runs as usize, "{named} of {runs}");
     }
