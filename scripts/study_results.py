@@ -95,11 +95,11 @@ class Results:
 
     def lead(self, effect, first, metric="prediction", scale=100):
         """Size at which the lead over `first` ends as an effect grows, with its interval, in `levels.json` that `armid report --figure levels`
-        writes; without the upper end if that is beyond all sizes; "no lead" and "remains" if it does not."""
+        writes; without the upper end if that is beyond all sizes; "no lead" and "at none of these" if it does not."""
         levels = one((x for x in json.loads((self.folder / "levels.json").read_text()) if x["effect"] == effect), effect)
         lead = one((x for x in levels["ratios"] if (x["criterion"], x["metric"]) == (first, metric)), first)["lead"]
         if isinstance(lead, str):
-            return {"none": "no lead", "remains": "remains"}[lead]
+            return {"none": "no lead", "remains": "at none of these"}[lead]
         ends = lead["ends"]
         return [scale * x for x in (ends["size"], ends["low"], ends["high"]) if x is not None]
 
