@@ -1,8 +1,8 @@
 //! What the residual of an estimate shows: figures, each with the sentence that it supports.
 
 use crate::{
-    Axis, DocumentError, GroupStyle, Heading, Limit, Line, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint,
-    Section, TimePanel, TimeSeriesFigure,
+    Axis, Dash, DocumentError, GroupStyle, Heading, Limit, Line, ScatterFigure, ScatterGroup, ScatterPanel,
+    ScatterPoint, Section, TimePanel, TimeSeriesFigure,
 };
 
 /// Joints in one figure.
@@ -110,7 +110,12 @@ impl ResidualDiagnostics {
     ) -> Vec<TimePanel> {
         let panel = |trace| {
             let (times, values) = of(trace);
-            let line = Line::new("residual", GroupStyle::nth(2), times.clone(), values.clone());
+            let line = Line::new(
+                "residual",
+                GroupStyle { dash: Dash::Solid, ..GroupStyle::nth(2) },
+                times.clone(),
+                values.clone(),
+            );
             TimePanel { title: trace.joint.clone(), lines: vec![line], limits: limits(trace) }
         };
         self.traces.iter().take(PANELS).map(panel).collect()

@@ -10,6 +10,9 @@ use crate::DocumentError;
 /// unfolds what is folded.
 const STYLE: &str = include_str!("page.css");
 
+/// Sorts a table by the column whose heading is clicked, or chosen with the Enter key. The page is whole without it.
+const SORTING: &str = include_str!("page.js");
+
 /// Numbers handed out while the page is written.
 #[derive(Default)]
 struct Counters {
@@ -85,6 +88,7 @@ fn render(document: &Document) -> String {
                         }
                     }
                 }
+                script { (PreEscaped(SORTING)) }
             }
         }
     };

@@ -9,7 +9,7 @@ use plotters::prelude::DrawingBackend;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontFamily, FontStyle, FontTransform, IntoFont, RGBAColor, ShapeStyle, TextStyle};
 
-use super::colour::Colour;
+use super::colour::{Colour, dark_style};
 use super::typeface::Font;
 use crate::FigureError;
 use crate::heading::Heading;
@@ -78,10 +78,37 @@ impl Rect {
 }
 
 enum Shape {
-    Line { points: Vec<(i32, i32)>, ink: Ink, dashes: &'static [f64] },
-    Area { points: Vec<(i32, i32)>, ink: Ink },
-    Disc { centre: (i32, i32), radius: u32, ink: Ink, filled: bool },
-    Text { text: String, at: (i32, i32), font: Font, colour: Colour, align: Align, upwards: bool },
+    Line {
+        points: Vec<(i32, i32)>,
+        ink: Ink,
+        dashes: &'static [f64],
+    },
+    Area {
+        points: Vec<(i32, i32)>,
+        ink: Ink,
+    },
+    Disc {
+        centre: (i32, i32),
+        radius: u32,
+        ink: Ink,
+        filled: bool,
+    },
+    Dots {
+        centres: Vec<(i32, i32)>,
+        radius: u32,
+        ink: Ink,
+    },
+    Text {
+        text: String,
+        at: (i32, i32),
+        font: Font,
+        colour: Colour,
+        align: Align,
+        upwards: bool,
+    },
+    /// What follows shows this text under the pointer, until the end.
+    Hover(String),
+    HoverEnd,
 }
 
 /// The shapes of one picture, in the order in which they are painted.
@@ -176,6 +203,19 @@ impl Canvas {
         self.text(text, at, font, colour, Align::Middle);
     }
 
+    /// Many discs as one element: half the size of a page of markers, and a tenth when it is printed.
+    pub(crate) fn dots(&mut self, centres: &[(f64, f64)], radius: f64, ink: Ink) {
+        let centres = centres.iter().map(|&centre| units(centre)).collect();
+        self.shapes.push(Shape::Dots { centres, radius: (radius * UNITS).round() as u32, ink });
+    }
+
+    /// What `draw` adds shows `text` under the pointer.
+    pub(crate) fn hover(&mut self, text: &str, draw: impl FnOnce(&mut Self)) {
+        self.shapes.push(Shape::Hover(printable(text)));
+        draw(self);
+        self.shapes.push(Shape::HoverEnd);
+    }
+
     /// A marker of about `radius` px with a thin white rim that keeps neighbours apart.
     pub(crate) fn marker(&mut self, marker: Marker, at: (f64, f64), radius: f64, colour: Colour, opacity: f64) {
         let rim = 0.8;
@@ -239,19 +279,26 @@ impl Canvas {
         Ok(format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"0 0 {} {}\" role=\"img\" stroke-linejoin=\"round\" \
              aria-labelledby=\"{name}-title {name}-desc\">\n<title id=\"{name}-title\">{}</title>\n\
-             <desc id=\"{name}-desc\">{}</desc>\n{body}</svg>\n",
+             <desc id=\"{name}-desc\">{}</desc>\n{}{body}</svg>\n",
             self.width.round(),
             self.height.round(),
             size.0,
             size.1,
             escape(&heading.title),
             escape(&heading.caption),
+            dark_style(),
         ))
     }
 }
 
 /// One shape as an SVG element, without the picture that the writer puts around it.
 fn element(shape: &Shape) -> Result<String, String> {
+    match shape {
+        Shape::Hover(text) => return Ok(format!("<g><title>{}</title>\n", escape(text))),
+        Shape::HoverEnd => return Ok("</g>\n".to_owned()),
+        Shape::Dots { centres, radius, ink } => return Ok(dots(centres, *radius, *ink)),
+        _ => {}
+    }
     let mut written = String::new();
     {
         let mut backend = SVGBackend::with_string(&mut written, (1, 1));
@@ -270,6 +317,15 @@ fn element(shape: &Shape) -> Result<String, String> {
         }
         _ => element,
     })
+}
+
+/// Strokes without length, whose round ends are the discs. The writer has no such element.
+fn dots(centres: &[(i32, i32)], radius: u32, Ink { colour: Colour(red, green, blue), opacity, .. }: Ink) -> String {
+    let path: String = centres.iter().map(|(x, y)| format!("M{x} {y}h0")).collect();
+    let width = 2 * radius;
+    format!(
+        "<path fill=\"none\" opacity=\"{opacity}\" stroke=\"#{red:02X}{green:02X}{blue:02X}\" stroke-width=\"{width}\" stroke-linecap=\"round\" d=\"{path}\"/>\n"
+    )
 }
 
 fn paint(backend: &mut SVGBackend<'_>, shape: &Shape) -> Result<(), String> {
@@ -297,6 +353,7 @@ fn paint(backend: &mut SVGBackend<'_>, shape: &Shape) -> Result<(), String> {
             let at = if *upwards { (at.0 + drop, at.1) } else { (at.0, at.1 + drop) };
             backend.draw_text(text, &style, at)
         }
+        Shape::Dots { .. } | Shape::Hover(_) | Shape::HoverEnd => Ok(()),
     };
     painted.map_err(|error| error.to_string())
 }

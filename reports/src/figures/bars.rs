@@ -8,7 +8,7 @@ use crate::drawing::check::Check;
 use crate::drawing::colour::Colour;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::rows::{Background, Level, Rows};
-use crate::drawing::ticks::compact;
+use crate::drawing::ticks::{compact, significant};
 use crate::drawing::typeface::Font;
 use crate::heading::Heading;
 use crate::style::Group;
@@ -143,8 +143,11 @@ impl Figure for BarFigure {
                 let [low, end, high] = bar.ends().map(|value| rows.x(area, value));
                 let (zero, half) = (rows.x(area, 0.0), 0.4 * lane_px);
                 let case = Rect { left: zero.min(end), top: y - half, right: zero.max(end), bottom: y + half };
-                rows.canvas.rectangle(&case, Ink::new(group.style.colour, 0.0).faint(0.75));
-                rows.canvas.outline(&case, Ink::new(group.style.colour, 1.0));
+                let text = format!("{}, {}: {}", row.label, group.label, significant(bar.value, 4));
+                rows.canvas.hover(&text, |canvas| {
+                    canvas.rectangle(&case, Ink::new(group.style.colour, 0.0).faint(0.75));
+                    canvas.outline(&case, Ink::new(group.style.colour, 1.0));
+                });
                 // The marker distinguishes groups without colour.
                 let inside = if bar.value < 0.0 { zero - 9.0 } else { zero + 9.0 };
                 if case.width() > 18.0 && self.groups.len() > 1 {

@@ -206,12 +206,14 @@ impl Figure for HeatFigure {
             let from = (left + column as f64 * cell_width, top + row as f64 * cell_height);
             let cell = Rect { left: from.0, top: from.1, right: from.0 + cell_width, bottom: from.1 + cell_height };
             let colour = value.map_or(MISSING, |value| self.colours.colour(&span, value));
-            canvas.rectangle(&cell, Ink::new(colour, 0.0));
-            if numbers {
-                let ink = if dark(colour) { Colour::WHITE } else { Colour::TEXT };
-                let text = printed[index].as_deref().unwrap_or("–");
-                canvas.text(text, cell.centre(), Font::NOTE, ink, Align::Middle);
-            }
+            let text = printed[index].as_deref().unwrap_or("–");
+            canvas.hover(&format!("{}, {}: {text}", self.rows[row], self.columns[column]), |canvas| {
+                canvas.rectangle(&cell, Ink::new(colour, 0.0));
+                if numbers {
+                    let ink = if dark(colour) { Colour::WHITE } else { Colour::ON_LIGHT };
+                    canvas.text(text, cell.centre(), Font::NOTE, ink, Align::Middle);
+                }
+            });
         }
         let right = left + cell_width * self.columns.len() as f64;
         let rule = Ink::new(Colour::WHITE, if cell_width > 20.0 { 1.2 } else { 0.6 });

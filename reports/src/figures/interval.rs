@@ -7,6 +7,7 @@ use crate::drawing::canvas::Ink;
 use crate::drawing::check::Check;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::rows::{Background, Band, Level, Rows};
+use crate::drawing::ticks::significant;
 use crate::heading::Heading;
 use crate::style::Group;
 
@@ -127,8 +128,11 @@ impl Figure for IntervalFigure {
                 let Some(cell) = cell else { continue };
                 let (area, y) = (rows.area_of(index), rows.y(index, lane));
                 let (low, point, high) = (rows.x(area, cell.low), rows.x(area, cell.point), rows.x(area, cell.high));
-                rows.canvas.line((low, y), (high, y), Ink::new(group.style.colour, 1.6));
-                rows.canvas.marker(group.style.marker, (point, y), 3.4, group.style.colour, 1.0);
+                let [at, from, to] = [cell.point, cell.low, cell.high].map(|value| significant(value, 4));
+                rows.canvas.hover(&format!("{}, {}: {at} [{from}, {to}]", row.label, group.label), |canvas| {
+                    canvas.line((low, y), (high, y), Ink::new(group.style.colour, 1.6));
+                    canvas.marker(group.style.marker, (point, y), 3.4, group.style.colour, 1.0);
+                });
             }
         }
         rows.canvas.finish(&self.heading)

@@ -7,7 +7,7 @@ use crate::drawing::canvas::{Align, Canvas, Ink, Rect};
 use crate::drawing::check::Check;
 use crate::drawing::colour::Colour;
 use crate::drawing::head::MARGIN;
-use crate::drawing::ticks::ticks;
+use crate::drawing::ticks::{significant, ticks};
 use crate::drawing::typeface::Font;
 use crate::heading::Heading;
 use crate::style::{Group, Marker};
@@ -188,7 +188,10 @@ impl RatioFigure {
                     }
                 }
                 let mark = MARKS[lane][usize::from(!is_significant)];
-                canvas.marker(mark, (x(interval.point), y), RADIUS, colour, 1.0);
+                let [at, from, to] = [interval.point, interval.low, interval.high].map(|value| significant(value, 3));
+                canvas.hover(&format!("{}, {}: {at} [{from}, {to}]", self.rows[row], group.label), |canvas| {
+                    canvas.marker(mark, (x(interval.point), y), RADIUS, colour, 1.0);
+                });
             }
         }
     }

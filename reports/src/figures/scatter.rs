@@ -8,6 +8,7 @@ use crate::drawing::check::Check;
 use crate::drawing::colour::Colour;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::lattice::{Arrangement, Panel, Plot, lattice};
+use crate::drawing::ticks::significant;
 use crate::drawing::typeface::Font;
 use crate::heading::Heading;
 use crate::style::{Dash, GroupStyle};
@@ -204,7 +205,7 @@ impl ScatterPanel {
             }
         }
         let count: usize = self.groups.iter().map(|group| group.points.len()).sum();
-        let (radius, opacity) = if count > 400 { (3.2, 0.6) } else { (4.3, 0.92) };
+        let (radius, opacity) = if count > MANY { (3.2, 0.6) } else { (4.3, 0.92) };
         for group in &self.groups {
             for point in &group.points {
                 if let Some((low, high)) = point.interval {
@@ -218,8 +219,22 @@ impl ScatterPanel {
             }
         }
         for group in &self.groups {
+            if count > MANY && self.groups.len() == 1 {
+                let centres: Vec<(f64, f64)> = group.points.iter().map(|point| plot.at(point.x, point.y)).collect();
+                canvas.dots(&centres, 0.6 * radius, Ink::new(group.style.colour, 0.0).faint(opacity));
+                continue;
+            }
             for point in &group.points {
-                canvas.marker(group.style.marker, plot.at(point.x, point.y), radius, group.style.colour, opacity);
+                let at = plot.at(point.x, point.y);
+                let [x, y] = [point.x, point.y].map(|value| significant(value, 4));
+                let draw = |canvas: &mut Canvas| {
+                    canvas.marker(group.style.marker, at, radius, group.style.colour, opacity);
+                };
+                if count > MANY {
+                    draw(canvas);
+                } else {
+                    canvas.hover(&format!("{}: {x}, {y}", group.label), draw);
+                }
             }
         }
         self.label_references(canvas, plot);
@@ -289,6 +304,9 @@ impl ScatterPanel {
 fn segment_dash(index: usize) -> Dash {
     [Dash::Dashed, Dash::Dotted, Dash::DashDot, Dash::Solid][index % 4]
 }
+
+/// Points of a panel beyond which they are small, say nothing under the pointer, and are one element if they are one group.
+const MANY: usize = 200;
 
 impl Figure for ScatterFigure {
     fn heading(&self) -> &Heading {
