@@ -10,13 +10,15 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontFamily, FontStyle, FontTransform, IntoFont, RGBAColor, ShapeStyle, TextStyle};
 
 use super::colour::{Colour, dark_style};
+use super::drawn::Drawing;
+use super::sheet::Sheet;
 use super::typeface::Font;
 use crate::FigureError;
 use crate::heading::Heading;
 use crate::style::Marker;
 
 /// Units of the view box per pixel.
-const UNITS: f64 = 10.0;
+pub(super) const UNITS: f64 = 10.0;
 
 /// Colour and width of a stroke, or of a filled shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,7 +79,9 @@ impl Rect {
     }
 }
 
-enum Shape {
+/// What a picture is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Shape {
     Line {
         points: Vec<(i32, i32)>,
         ink: Ink,
@@ -112,6 +116,7 @@ enum Shape {
 }
 
 /// The shapes of one picture, in the order in which they are painted.
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Canvas {
     width: f64,
     height: f64,
@@ -128,6 +133,19 @@ impl Canvas {
         let mut canvas = Self { width, height, shapes: Vec::new() };
         canvas.rectangle(&Rect { left: 0.0, top: 0.0, right: width, bottom: height }, Ink::new(Colour::WHITE, 0.0));
         canvas
+    }
+
+    /// Width, px.
+    pub(crate) const fn width(&self) -> f64 {
+        self.width
+    }
+
+    pub(super) const fn height(&self) -> f64 {
+        self.height
+    }
+
+    pub(super) fn shapes(&self) -> &[Shape] {
+        &self.shapes
     }
 
     pub(crate) fn line(&mut self, from: (f64, f64), to: (f64, f64), ink: Ink) {
@@ -266,8 +284,13 @@ impl Canvas {
         }
     }
 
+    /// The picture with its heading, on the sheet whose width it has.
+    pub(crate) fn finish(self, heading: &Heading, sheet: Sheet) -> Drawing {
+        Drawing { canvas: self, heading: heading.clone(), sheet }
+    }
+
     /// The picture as one SVG element; equal shapes give equal bytes.
-    pub(crate) fn finish(self, heading: &Heading) -> Result<String, FigureError> {
+    pub(super) fn svg(&self, heading: &Heading, sheet: Sheet) -> Result<String, FigureError> {
         let size = units((self.width, self.height));
         let mut body = String::new();
         for shape in &self.shapes {
@@ -276,17 +299,20 @@ impl Canvas {
             body.push_str(&element);
         }
         let name = &heading.name;
+        let [width, height] = match sheet.millimetres() {
+            None => [self.width, self.height].map(|length| length.round().to_string()),
+            Some(mm) => [mm, mm * self.height / self.width].map(|length| format!("{length:.2}mm")),
+        };
+        // Paper is white.
+        let style = if sheet == Sheet::Screen { dark_style() } else { String::new() };
         Ok(format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"0 0 {} {}\" role=\"img\" stroke-linejoin=\"round\" \
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" role=\"img\" stroke-linejoin=\"round\" \
              aria-labelledby=\"{name}-title {name}-desc\">\n<title id=\"{name}-title\">{}</title>\n\
-             <desc id=\"{name}-desc\">{}</desc>\n{}{body}</svg>\n",
-            self.width.round(),
-            self.height.round(),
+             <desc id=\"{name}-desc\">{}</desc>\n{style}{body}</svg>\n",
             size.0,
             size.1,
             escape(&heading.title),
             escape(&heading.caption),
-            dark_style(),
         ))
     }
 }

@@ -6,8 +6,10 @@ use crate::drawing::axis::{Axis, Span};
 use crate::drawing::canvas::{Ink, Rect};
 use crate::drawing::check::Check;
 use crate::drawing::colour::Colour;
+use crate::drawing::drawn::Drawing;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::rows::{Background, Level, Rows};
+use crate::drawing::sheet::Sheet;
 use crate::drawing::ticks::significant;
 use crate::heading::Heading;
 use crate::style::Group;
@@ -69,7 +71,7 @@ impl Distribution {
         Self { quantiles: Some(quantiles), points: Vec::new() }
     }
 
-    /// The same distribution with points.
+    /// Returns this distribution with points.
     #[must_use]
     pub fn with_points(mut self, points: Vec<f64>) -> Self {
         self.points = points;
@@ -184,7 +186,7 @@ impl Figure for BoxFigure {
         &self.heading
     }
 
-    fn svg(&self) -> Result<String, FigureError> {
+    fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
         let span = self.check()?;
         let mut legend = Vec::new();
         let cells = || self.rows.iter().flat_map(|row| row.cells.iter().flatten());
@@ -211,7 +213,7 @@ impl Figure for BoxFigure {
             20.0
         };
         let lanes = (self.groups.len(), lane_px);
-        let mut rows = Rows::draw(&self.heading, &legend, &names, lanes, (&self.value, span), &background);
+        let mut rows = Rows::draw(&self.heading, &legend, &names, lanes, (&self.value, span), &background, sheet);
         for (index, row) in self.rows.iter().enumerate() {
             for (lane, (cell, group)) in row.cells.iter().zip(&self.groups).enumerate() {
                 if let Some(cell) = cell {
@@ -221,6 +223,6 @@ impl Figure for BoxFigure {
                 }
             }
         }
-        rows.canvas.finish(&self.heading)
+        Ok(rows.canvas.finish(&self.heading, sheet))
     }
 }

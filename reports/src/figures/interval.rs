@@ -5,8 +5,10 @@ use crate::FigureError;
 use crate::drawing::axis::{Axis, Scale, Span};
 use crate::drawing::canvas::Ink;
 use crate::drawing::check::Check;
+use crate::drawing::drawn::Drawing;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::rows::{Background, Band, Level, Rows};
+use crate::drawing::sheet::Sheet;
 use crate::drawing::ticks::significant;
 use crate::heading::Heading;
 use crate::style::Group;
@@ -109,7 +111,7 @@ impl Figure for IntervalFigure {
         &self.heading
     }
 
-    fn svg(&self) -> Result<String, FigureError> {
+    fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
         let span = self.check()?;
         let mut legend = Vec::new();
         if self.groups.len() > 1 {
@@ -122,7 +124,7 @@ impl Figure for IntervalFigure {
         let names: Vec<&str> = self.rows.iter().map(|row| row.label.as_str()).collect();
         let lane_px = if self.rows.len() > 40 { 7.5 } else { 10.0 };
         let lanes = (self.groups.len(), lane_px);
-        let mut rows = Rows::draw(&self.heading, &legend, &names, lanes, (&self.value, span), &background);
+        let mut rows = Rows::draw(&self.heading, &legend, &names, lanes, (&self.value, span), &background, sheet);
         for (index, row) in self.rows.iter().enumerate() {
             for (lane, (cell, group)) in row.cells.iter().zip(&self.groups).enumerate() {
                 let Some(cell) = cell else { continue };
@@ -135,7 +137,7 @@ impl Figure for IntervalFigure {
                 });
             }
         }
-        rows.canvas.finish(&self.heading)
+        Ok(rows.canvas.finish(&self.heading, sheet))
     }
 }
 
@@ -181,7 +183,7 @@ impl Figure for CoverageFigure {
         &self.heading
     }
 
-    fn svg(&self) -> Result<String, FigureError> {
+    fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
         let check = Check::heading(&self.heading)?;
         for row in &self.rows {
             for cell in row.percent.iter().flatten() {
@@ -203,6 +205,6 @@ impl Figure for CoverageFigure {
             levels: vec![Level::new(self.nominal_percent, format!("nominal {nominal} %"))],
             band: Some(self.band.clone()),
         }
-        .svg()
+        .draw(sheet)
     }
 }

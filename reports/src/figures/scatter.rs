@@ -6,8 +6,10 @@ use crate::drawing::axis::{Axis, Span};
 use crate::drawing::canvas::{Canvas, Ink, Rect};
 use crate::drawing::check::Check;
 use crate::drawing::colour::Colour;
+use crate::drawing::drawn::Drawing;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::lattice::{Arrangement, Panel, Plot, lattice};
+use crate::drawing::sheet::Sheet;
 use crate::drawing::ticks::significant;
 use crate::drawing::typeface::Font;
 use crate::heading::Heading;
@@ -87,7 +89,7 @@ impl ScatterPoint {
         Self { x, y, interval: None }
     }
 
-    /// The same point with an error bar from `low` to `high`.
+    /// Returns this point with an error bar from `low` to `high`.
     #[must_use]
     pub fn interval(self, low: f64, high: f64) -> Self {
         Self { interval: Some((low, high)), ..self }
@@ -313,7 +315,7 @@ impl Figure for ScatterFigure {
         &self.heading
     }
 
-    fn svg(&self) -> Result<String, FigureError> {
+    fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
         let check = Check::heading(&self.heading)?;
         check.count("the list of panels", self.panels.len(), 12)?;
         check.count("the number of columns", self.columns, 3)?;
@@ -339,11 +341,11 @@ impl Figure for ScatterFigure {
             }
         }
         let plot_height = if self.panels.len() == 1 { 420.0 } else { 270.0 };
-        let arrangement = Arrangement { columns: self.columns, plot_height, share_x: false, share_y: false };
+        let arrangement = Arrangement { columns: self.columns, plot_height, share_x: false, share_y: false, sheet };
         let (mut canvas, plots) = lattice(&self.heading, &legend, &panels, arrangement);
         for (panel, plot) in self.panels.iter().zip(&plots) {
             panel.draw(&mut canvas, plot);
         }
-        canvas.finish(&self.heading)
+        Ok(canvas.finish(&self.heading, sheet))
     }
 }
