@@ -31,7 +31,7 @@ pub struct ResidualTrace {
     pub white_within: f64,
 }
 
-/// What the residual shows. The first sentence on each figure is its caption, the others stand below it.
+/// What the residual shows. The first sentence on each figure is its title, the others are below it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ResidualDiagnostics {
     /// Joint by joint; those without equations are left out.
@@ -137,15 +137,15 @@ impl ResidualDiagnostics {
     }
 }
 
-fn headed(name: &str, title: &str, sentences: &[String]) -> Heading {
-    let heading = Heading::new(name, title);
+/// A figure whose title is the first sentence on it, if there is one: what the figure finds.
+fn headed(name: &str, shown: &str, sentences: &[String]) -> Heading {
     match sentences.first() {
-        Some(first) => heading.caption(first.clone()),
-        None => heading,
+        Some(first) => Heading::new(name, first.trim_end_matches('.')).subtitle(shown).caption(format!("{shown}.")),
+        None => Heading::new(name, shown),
     }
 }
 
-/// The sentences beside the caption's.
+/// The sentences after the title's.
 fn others(section: Section, sentences: &[String]) -> Section {
     if sentences.len() > 1 { section.list(sentences[1..].to_vec()) } else { section }
 }

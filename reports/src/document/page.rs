@@ -142,7 +142,7 @@ fn render_figure(figure: &RenderedFigure, number: usize) -> Markup {
     html! {
         figure id={ "figure-" (figure.name) } {
             // Written by this crate, escaped where it was written.
-            (PreEscaped(&figure.svg))
+            div.scroll { (PreEscaped(&figure.svg)) }
             figcaption {
                 strong { "Figure " (number) "." } " "
                 @if figure.caption.trim().is_empty() { (marked(&figure.title)) } @else { (marked(&figure.caption)) }

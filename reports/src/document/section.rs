@@ -68,7 +68,7 @@ pub struct RenderedFigure {
     /// One SVG element, for a screen.
     pub svg: String,
     /// The figure for a column and a page of a journal.
-    papers: [Drawing; 2],
+    papers: Box<[Drawing; 2]>,
 }
 
 impl RenderedFigure {
@@ -79,7 +79,7 @@ impl RenderedFigure {
     pub fn draw(figure: &dyn Figure) -> Result<Self, DocumentError> {
         Ok(Self {
             svg: figure.svg()?,
-            papers: [figure.draw(Sheet::Column)?, figure.draw(Sheet::Page)?],
+            papers: Box::new([figure.draw(Sheet::Column)?, figure.draw(Sheet::Page)?]),
             name: figure.name().to_owned(),
             title: figure.title().to_owned(),
             caption: figure.caption().to_owned(),
