@@ -81,7 +81,7 @@ pub struct Findings {
     /// Every estimator against the one that figures show, on the same recordings.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub estimator_comparisons: Vec<EstimatorComparison>,
-    /// The same over random truths, where the study draws them.
+    /// Estimators compared over random truths, if the study draws them.
     #[serde(default)]
     pub over_truths: Vec<TruthComparison>,
     /// Median over runs of the prediction RMSE of each design (outer: estimator, inner: design), N·m.

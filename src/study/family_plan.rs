@@ -27,7 +27,7 @@ pub enum DesignMethod {
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(untagged)]
 pub enum HarmonicsPlan {
-    /// The same of every joint.
+    /// One number for all joints.
     Every(usize),
     /// One number for each joint.
     Each(Vec<usize>),

@@ -136,7 +136,7 @@ impl StudyPlan {
         self.check_with(&OwnMethods::default())
     }
 
-    /// The same where the plan may also name methods from outside.
+    /// Reads a plan that may also name methods from outside.
     ///
     /// # Errors
     /// As [`StudyPlan::check`].

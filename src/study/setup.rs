@@ -77,7 +77,7 @@ impl StudySetup {
         Self::with_methods(plan, robot, nominal, truth, OwnMethods::default())
     }
 
-    /// The same with methods from outside, which the plan may name.
+    /// Prepares a study with methods from outside, which the plan may name.
     ///
     /// # Errors
     /// As [`StudySetup::new`].
@@ -214,7 +214,7 @@ impl StudySetup {
         self.bound_with_weight(exact, self.raw_samples() / exact.len() as f64)
     }
 
-    /// The same where each state stands for `weight` raw samples of one period.
+    /// Cramér–Rao standard deviations if each state stands for `weight` raw samples of one period.
     pub(super) fn bound_with_weight(&self, exact: &States, weight: f64) -> Vec<f64> {
         let periods = self.plan.experiment.periods;
         cramer_rao_std(&self.regressor, &self.base, exact, &self.noise, weight, periods)
@@ -273,7 +273,7 @@ impl StudySetup {
         self.scored(&Processed { samples: samples.clone(), closed_loop }, truth, None, &Unobserved)
     }
 
-    /// The same, scored by what that arm measured afterwards too.
+    /// Every estimator on the same samples, scored by what that arm measured afterwards too.
     pub(super) fn scored(
         &self,
         processed: &Processed,

@@ -7,7 +7,7 @@ use armid_io::study::{read_figure_numbers, read_robots, read_study};
 use armid_io::{Error, Text, estimate};
 use armid_workflow::LogSource;
 use armid_workflow::report::{
-    ComparisonAnswer, write_comparison, write_criteria, write_estimate_report, write_levels, write_report,
+    ComparisonAnswer, Sheet, write_comparison, write_criteria, write_estimate_report, write_levels, write_report,
     write_robots_report,
 };
 use miette::Result;
@@ -26,6 +26,7 @@ Examples:
   armid report reports/01-criteria
   armid report reports/01-criteria -o /tmp/page
   armid report E.json -o page
+  armid report E.json --paper column -o page
   armid report E.json --robot lab/robot.toml -o page
   armid report --compare simulated measured -o page
   armid report reports/06-ten-times reports/06-two-robots/puma-560 --figure criteria -o figure
@@ -48,6 +49,9 @@ pub(crate) struct Arguments {
     /// Draw one figure of one or several studies
     #[arg(long, conflicts_with_all = ["compare", "robot"])]
     figure: Option<Figure>,
+    /// Draw figures for a journal, as SVG and PDF
+    #[arg(long, conflicts_with = "figure", value_name = "WIDTH")]
+    paper: Option<Paper>,
     #[command(flatten)]
     chain: ChainArguments,
 }
@@ -61,10 +65,24 @@ enum Figure {
     Levels,
 }
 
+/// What a journal has room for; labels are 8 pt high.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Paper {
+    /// 88 mm
+    Column,
+    /// 181 mm
+    Page,
+}
+
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    let sheet = match arguments.paper {
+        None => Sheet::Screen,
+        Some(Paper::Column) => Sheet::Column,
+        Some(Paper::Page) => Sheet::Page,
+    };
     if let Some([first, second]) = arguments.compare.as_deref() {
         let folder = console.output().map_or_else(|| PathBuf::from("reports/comparison"), Path::to_path_buf);
-        let answer = write_comparison(&folder, first, second)?;
+        let answer = write_comparison(&folder, first, second, sheet)?;
         let json = serde_json::to_value(&answer).map_err(Error::of)?;
         console.show(&Answer { text: comparison_text(&answer), json })?;
         return Ok(Ending::Done);
@@ -97,7 +115,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             let estimate = estimate::parse(&text)?;
             let (robot, chain) = (arguments.robot.clone(), arguments.chain.ends());
             let (log, inputs) = LogSource { robot, chain, ..LogSource::default() }.again(&text, &[])?;
-            pages.push(write_estimate_report(&output, (&estimate, &text.name), &log, &inputs, &Watch::new(console))?);
+            let made = (&estimate, text.name.as_str());
+            pages.push(write_estimate_report(&output, made, &log, &inputs, sheet, &Watch::new(console))?);
             continue;
         }
         if !folder.is_dir() {
@@ -116,11 +135,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             None => folder.join("report"),
         };
         if let Some(summary) = read_robots(folder)? {
-            pages.push(write_robots_report(&output(&summary.name), &summary)?);
+            pages.push(write_robots_report(&output(&summary.name), &summary, sheet)?);
             continue;
         }
         let input = read_study(folder)?;
-        pages.push(write_report(&output(&input.result.plan.name), &input)?);
+        pages.push(write_report(&output(&input.result.plan.name), &input, sheet)?);
     }
     let lines: Vec<String> = pages.iter().map(|page: &PathBuf| page.display().to_string()).collect();
     console.show(&Answer { text: lines.join("\n") + "\n", json: json!({ "pages": lines }) })?;

@@ -25,7 +25,7 @@ pub(crate) const SHARPNESS: [f64; 6] = [4.0, 8.0, 16.0, 32.0, 64.0, 128.0];
 /// Predicted decrease of the minimised value, a logarithm, that ends a descent.
 const TOLERANCE: f64 = 1e-5;
 
-/// The same for a sharpness that another follows.
+/// Tolerance at a sharpness that another follows.
 const STAGE_TOLERANCE: f64 = 1e-4;
 
 /// Evaluations that must be left for another descent.
@@ -105,7 +105,7 @@ struct Search<'a> {
     state: Sequential,
     /// Variables and reported value of the best iterate inside the limits.
     best: Option<(Vec<f64>, f64)>,
-    /// The same of the last iterate.
+    /// Variables and value of the last iterate.
     last: (Vec<f64>, f64),
     /// The minimised value of the best.
     least: f64,

@@ -139,7 +139,7 @@ impl Information {
         self.pull_back_with(states, s, None, sensitivity);
     }
 
-    /// The same where f depends on moments too: `(d, S_c)`. What it depends on through d itself is not in it.
+    /// The gradient if f depends on moments too: `(d, S_c)`. What it depends on through d itself is not in it.
     pub fn pull_back_with(
         &self,
         states: &States,

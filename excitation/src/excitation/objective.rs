@@ -61,7 +61,7 @@ impl InformationObjective {
         }
     }
 
-    /// The same where these effects are expected, on as many samples.
+    /// Returns this objective where these effects are expected, on as many samples.
     #[must_use]
     pub fn with_effects(mut self, torques: EffectTorques) -> Self {
         let none = DMatrix::zeros(0, 0);

@@ -35,7 +35,7 @@ impl ProcessedLog {
         estimates.pop().ok_or_else(|| Error::new("no estimator is named, expected one"))
     }
 
-    /// The same by several estimators, of the list or from outside, which share base, nominal set and closed loop.
+    /// Identifies by several estimators, of the list or from outside, which share base, nominal set and closed loop.
     ///
     /// # Errors
     /// As [`Self::identify`].
@@ -43,7 +43,7 @@ impl ProcessedLog {
         self.identify_watched(columns, estimators, &Unobserved)
     }
 
-    /// The same, reporting to an observer, which may end estimators that iterate.
+    /// Identifies by several estimators and reports to an observer, which may end estimators that iterate.
     ///
     /// # Errors
     /// As [`Self::identify`].
@@ -76,7 +76,7 @@ impl ProcessedLog {
         self.select_watched(candidates, &Unobserved)
     }
 
-    /// The same, reporting every set of terms that is fitted to an observer, which may end it.
+    /// Selects terms and reports every set of terms that is fitted to an observer, which may end it.
     ///
     /// # Errors
     /// As [`Self::identify`]; of [`crate::ErrorKind::Interrupted`] where the observer ended it.

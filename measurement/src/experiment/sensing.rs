@@ -166,7 +166,7 @@ impl Sensors {
         }
     }
 
-    /// The same sensors with what is wrong with those of an arm.
+    /// Returns these sensors with the faults of those of an arm.
     pub(super) fn with_effects(mut self, actual: &ActualSensors) -> Self {
         for (i, encoder) in self.encoders.iter_mut().enumerate() {
             encoder.counts /= actual.encoder_step;

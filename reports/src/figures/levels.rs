@@ -7,7 +7,9 @@ use crate::drawing::axis::{Scale, Span};
 use crate::drawing::canvas::{Align, Canvas, Ink, Rect};
 use crate::drawing::check::Check;
 use crate::drawing::colour::Colour;
+use crate::drawing::drawn::Drawing;
 use crate::drawing::head::MARGIN;
+use crate::drawing::sheet::Sheet;
 use crate::drawing::ticks::ticks;
 use crate::heading::Heading;
 use crate::style::{Group, Marker};
@@ -192,24 +194,25 @@ impl Figure for LevelFigure {
         &self.heading
     }
 
-    fn svg(&self) -> Result<String, FigureError> {
+    fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
+        let whole = sheet.width(WIDTH, TEXT.size);
         let span = self.check()?;
-        let title = TITLE.wrap(&self.heading.title, WIDTH - 2.0 * MARGIN, 3);
-        let subtitle = TEXT.wrap(&self.heading.subtitle, WIDTH - 2.0 * MARGIN, 2);
+        let title = TITLE.wrap(&self.heading.title, whole - 2.0 * MARGIN, 3);
+        let subtitle = TEXT.wrap(&self.heading.subtitle, whole - 2.0 * MARGIN, 2);
         let top = 76.0 + 27.0 * title.len() as f64 + 22.0 * subtitle.len() as f64;
         let panels = self.panels.len() as f64;
         let bottom = top + panels * TALL + (panels - 1.0) * BETWEEN;
-        let mut canvas = Canvas::new(WIDTH, bottom + BELOW);
+        let mut canvas = Canvas::new(whole, bottom + BELOW);
         self.head(&mut canvas, &title, &subtitle);
         for (index, panel) in self.panels.iter().enumerate() {
             let top = top + index as f64 * (TALL + BETWEEN);
-            let area = Rect { left: LEFT, top, right: WIDTH - MARGIN, bottom: top + TALL };
+            let area = Rect { left: LEFT, top, right: whole - MARGIN, bottom: top + TALL };
             self.panel(&mut canvas, panel, &area, span);
             self.sizes(&mut canvas, &area);
         }
-        let at = (0.5 * (LEFT + WIDTH - MARGIN), bottom + 39.0);
-        canvas.text(&TEXT.fit(&self.label, WIDTH - LEFT), at, TEXT, Colour::TEXT, Align::Middle);
-        canvas.finish(&self.heading)
+        let at = (0.5 * (LEFT + whole - MARGIN), bottom + 39.0);
+        canvas.text(&TEXT.fit(&self.label, whole - LEFT), at, TEXT, Colour::TEXT, Align::Middle);
+        Ok(canvas.finish(&self.heading, sheet))
     }
 }
 

@@ -6,7 +6,7 @@ use armid::study::{CriterionRatios, EffectLevels, ReportInput, RobotsSummary};
 use armid_io::Error;
 use armid_io::output::write_text;
 use armid_io::study::write_figure_numbers;
-use armid_reports::{DocumentError, Figure, criteria_figure, levels_figure, robots_document, study_document};
+use armid_reports::{DocumentError, Figure, Sheet, criteria_figure, levels_figure, robots_document, study_document};
 
 use super::page::{cannot_be_drawn, write_document};
 
@@ -14,16 +14,16 @@ use super::page::{cannot_be_drawn, write_document};
 ///
 /// # Errors
 /// [`Error`] where a figure cannot be drawn or written.
-pub fn write_report(folder: &Path, input: &ReportInput) -> Result<PathBuf, Error> {
-    write_document(folder, study_document(input))
+pub fn write_report(folder: &Path, input: &ReportInput, sheet: Sheet) -> Result<PathBuf, Error> {
+    write_document(folder, study_document(input), sheet)
 }
 
 /// Draws the page of one study on several robots; returns it.
 ///
 /// # Errors
 /// [`Error`] where a figure cannot be drawn or written.
-pub fn write_robots_report(folder: &Path, summary: &RobotsSummary) -> Result<PathBuf, Error> {
-    write_document(folder, robots_document(summary))
+pub fn write_robots_report(folder: &Path, summary: &RobotsSummary, sheet: Sheet) -> Result<PathBuf, Error> {
+    write_document(folder, robots_document(summary), sheet)
 }
 
 /// Draws criteria under single effects on several robots, and stores the numbers beside the figure; returns the figure.

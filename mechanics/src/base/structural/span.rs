@@ -20,7 +20,7 @@ fn echelon(rows: &[Vec<f64>], width: usize) -> LeftToRight {
     LeftToRight::new(&matrix, RankTolerance::default())
 }
 
-/// The same basis as rows whose largest entries are near 1, so that what they are multiplied with keeps its size.
+/// Basis of the row space, in rows whose largest entries are near 1, so that what they are multiplied with keeps its size.
 pub(super) fn basis(rows: &[Vec<f64>], width: usize) -> Vec<Vec<f64>> {
     let form = echelon(rows, width);
     let mut rows: Vec<Vec<f64>> = form.coefficients.row_iter().map(|row| row.iter().copied().collect()).collect();

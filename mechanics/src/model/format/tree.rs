@@ -58,7 +58,7 @@ pub struct SnappedJoint {
 }
 
 impl ImportedModel {
-    /// The same model, whose robot says which text it was read from.
+    /// Returns this model, whose robot says which text it was read from.
     pub(super) fn read_from(mut self, text: &str) -> Self {
         self.robot = self.robot.read_from(text);
         self

@@ -52,7 +52,7 @@ pub fn parse_urdf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatE
     tree.chain(ends).map(|model| model.read_from(text))
 }
 
-/// The same with every angle as it is written, rounded right angles too: what a reader that does not mend them sees.
+/// Reads a URDF and keeps every angle as it is written, rounded right angles too, as readers do that do not mend them.
 ///
 /// # Errors
 /// As [`parse_urdf`].
