@@ -115,14 +115,12 @@ impl ExperimentPlan {
             (Phase::RampOut, ramp),
         ];
         let mut begin = 0;
-        let spans = lengths
-            .into_iter()
-            .map(|(phase, length)| {
-                let samples = begin..begin + length;
-                begin += length;
-                PhaseSpan { phase, samples }
-            })
-            .collect();
+        let span = |(phase, length): (Phase, usize)| {
+            let samples = begin..begin + length;
+            begin += length;
+            PhaseSpan { phase, samples }
+        };
+        let spans = lengths.into_iter().map(span).collect();
         Ok(Layout { spans, period_samples })
     }
 

@@ -77,26 +77,10 @@ crate::plain::checked_when_read!(Robot, Robot::checked);
 impl Robot {
     /// Returns this robot if it passes the checks of a specification.
     fn checked(self) -> Result<Self, RobotError> {
-        let Self {
-            name,
-            gravity,
-            base,
-            joints,
-            axes: _,
-            coupling,
-            shapes,
-            obstacles,
-            may_touch,
-            points,
-            effort,
-            servo,
-            uncertainty,
-            source_sha256,
-        } = self;
-        servo.as_ref().map_or(Ok(()), check_servo)?;
-        check_points(&points, joints.len())?;
-        let spec = RobotSpec { name, gravity, base, joints, coupling, shapes, obstacles, may_touch };
-        Ok(Self { points, effort, servo, uncertainty, source_sha256, ..Self::new(spec)? })
+        self.servo.as_ref().map_or(Ok(()), check_servo)?;
+        check_points(&self.points, self.joints.len())?;
+        let axes = Self::new(self.clone().into_spec())?.axes;
+        Ok(Self { axes, ..self })
     }
 
     /// Checks a specification.
@@ -324,14 +308,11 @@ impl Robot {
     /// Pose of every link's frame in the base frame at joint coordinates `q` (n).
     pub fn poses(&self, q: &[f64]) -> Vec<Placement> {
         let mut pose = Placement::identity();
-        self.joints
-            .iter()
-            .zip(q)
-            .map(|(joint, &q)| {
-                pose = pose.compose(&joint.placement(q));
-                pose
-            })
-            .collect()
+        let next = |(joint, &q): (&Joint, &f64)| {
+            pose = pose.compose(&joint.placement(q));
+            pose
+        };
+        self.joints.iter().zip(q).map(next).collect()
     }
 
     /// Index of the joint with this name.

@@ -250,6 +250,16 @@ mod tests {
     }
 
     #[test]
+    fn what_is_worse_is_named_where_there_is_room_for_it() {
+        let has = |reference: &str, text: &str| {
+            let figure = RatioFigure { reference: reference.into(), ..figure(1, Interval::new(2.0, 1.5, 2.5)) };
+            figure.svg().unwrap().contains(&format!(">{text}<"))
+        };
+        assert!(has("D-optimal", "worse than D-optimal"));
+        assert!(has("a reference whose name is far too long", "worse"));
+    }
+
+    #[test]
     fn an_interval_that_leaves_the_axis_ends_in_an_arrow() {
         let polygons = |high| figure(1, Interval::new(2.0, 1.5, high)).svg().unwrap().matches("<polygon").count();
         assert_eq!(polygons(1e6), polygons(2.0) + 1);
