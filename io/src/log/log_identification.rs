@@ -54,7 +54,7 @@ impl ProcessedLog {
         observer: &dyn Observer,
     ) -> Result<Vec<Estimate>, Error> {
         let named = |error: EstimationError| self.unestimated(&error);
-        let mut identification = self.identification(columns).map_err(named)?;
+        let mut identification = self.identification(columns).map_err(named)?.with_omitted_laws();
         if let Some(guess) = self.robot.guess() {
             identification = identification.with_nominal(guess);
         }

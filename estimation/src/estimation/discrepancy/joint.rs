@@ -82,7 +82,7 @@ impl JointResidual {
         let unit = *lags.first()?;
         let whitening = Whitening::new(&lags, blocks.count, unit)?;
         let white = |columns: &DMatrix<f64>| whitening.apply(columns, &weight);
-        let basis = orthonormal(white(&blocks.regressor(joint)));
+        let basis = orthonormal(white(&blocks.explained(joint)));
         let used: Vec<bool> = weight.iter().map(|weight| *weight > 0.0).collect();
         let freedom =
             used.iter().filter(|used| **used).count().checked_sub(basis.ncols()).filter(|freedom| *freedom > 8)?;
