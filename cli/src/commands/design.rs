@@ -176,13 +176,13 @@ impl Arguments {
 
     /// Options that only some criteria have a use for.
     fn check_use(&self, kind: CriterionKind) -> Result<(), Error> {
-        let is_model_error = kind == CriterionKind::ModelError;
+        let expects_effects = kind.criterion().expects_effects();
         for (is_refused, option, expected) in [
-            (!self.expect.is_empty() && !is_model_error, "--expect", "model-error"),
+            (!self.expect.is_empty() && !expects_effects, "--expect", "model-error or measured-torque"),
             (
                 !self.predict.is_empty() && !kind.criterion().asks_for_prediction(),
                 "--predict",
-                "i-optimal or model-error",
+                "i-optimal, model-error or measured-torque",
             ),
         ] {
             if is_refused {

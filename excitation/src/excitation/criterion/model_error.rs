@@ -23,19 +23,49 @@ use super::prediction::{Carried, Prediction};
 #[derive(Clone, Debug, Default)]
 pub struct ModelError {
     prediction: Option<Prediction>,
+    torque: PredictedTorque,
+}
+
+/// Which torque the estimate is to predict.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum PredictedTorque {
+    /// That of the arm without its effects, which are of the declared size.
+    #[default]
+    WithoutEffects,
+    /// What the arm with its effects measures, whose size is not known.
+    Measured,
+}
+
+impl PredictedTorque {
+    /// Sizes of an effect, as shares of the declared one, of which each counts alike.
+    ///
+    /// Below a hundredth the noise of most experiments hides an effect, as the scenario without effects does.
+    const fn levels(self) -> &'static [f64] {
+        match self {
+            Self::WithoutEffects => &[1.0],
+            Self::Measured => &[0.01, 0.1, 1.0],
+        }
+    }
 }
 
 impl ModelError {
     /// Of these predictions.
     pub const fn new(prediction: Prediction) -> Self {
-        Self { prediction: Some(prediction) }
+        Self { prediction: Some(prediction), torque: PredictedTorque::WithoutEffects }
     }
 
-    /// J of every scenario, N·m: without effects first, then under each that is expected; empty where M is not positive
-    /// definite.
+    /// Of the torque that the arm with its effects measures, over several sizes of each effect.
+    pub const fn of_measured_torque() -> Self {
+        Self { prediction: None, torque: PredictedTorque::Measured }
+    }
+
+    /// J of every scenario, N·m: without effects first, then under each that is expected, at each of its sizes; empty where
+    /// M is not positive definite.
     pub fn errors(&self, m: &DMatrix<f64>, moments: &DMatrix<f64>) -> Vec<f64> {
+        let levels = self.torque.levels();
         let parts = Parts::new(self.prediction.as_ref(), m, moments);
-        parts.map_or_else(Vec::new, |parts| parts.scenarios().into_iter().map(f64::sqrt).collect())
+        let roots = |parts: Parts<'_>| parts.scenarios(levels).into_iter().map(f64::sqrt).collect();
+        parts.map_or_else(Vec::new, roots)
     }
 }
 
@@ -85,16 +115,22 @@ impl<'a> Parts<'a> {
         self.prediction.map_or(&[], |prediction| &prediction.effects)
     }
 
-    /// J² of every scenario.
-    fn scenarios(&self) -> Vec<f64> {
-        let effects = self.effects().iter().map(|own| self.variance + self.squares[own.clone()].iter().sum::<f64>());
+    /// J² of every scenario; the bias grows with the size of its effect.
+    fn scenarios(&self, levels: &[f64]) -> Vec<f64> {
+        let effects = self.effects().iter().flat_map(|own| {
+            let whole = self.squares[own.clone()].iter().sum::<f64>();
+            levels.iter().map(move |level| self.variance + level * level * whole)
+        });
         std::iter::once(self.variance).chain(effects).collect()
     }
 }
 
 impl Criterion for ModelError {
     fn name(&self) -> &'static str {
-        "model-error"
+        match self.torque {
+            PredictedTorque::WithoutEffects => "model-error",
+            PredictedTorque::Measured => "measured-torque",
+        }
     }
 
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
@@ -118,7 +154,8 @@ impl Criterion for ModelError {
             }
             return Score::exact(f64::INFINITY);
         };
-        let scenarios = parts.scenarios();
+        let levels = self.torque.levels();
+        let scenarios = parts.scenarios(levels);
         let share = 0.5 / scenarios.len() as f64;
         let value = scenarios.iter().map(|square| share * libm::log(*square)).sum();
         if let Some((by_m, by_moments)) = sensitivity {
@@ -126,7 +163,9 @@ impl Criterion for ModelError {
             by_m.copy_from(&(&parts.spread * -slopes.iter().sum::<f64>()));
             by_moments.fill(0.0);
             let turned = &parts.inverse * &parts.pull;
-            for (slope, own) in slopes[1..].iter().zip(parts.effects()) {
+            let by_effect = slopes[1..].chunks_exact(levels.len());
+            for (slopes, own) in by_effect.zip(parts.effects()) {
+                let slope: f64 = slopes.iter().zip(levels).map(|(slope, level)| slope * level * level).sum();
                 for e in own.clone() {
                     let (t, p) = (turned.column(e), parts.bias.column(e));
                     by_m.ger(-slope, &t, &p, 1.0);
@@ -153,11 +192,15 @@ impl Criterion for ModelError {
     }
 
     fn for_prediction(&self, prediction: Prediction) -> Option<Box<dyn Criterion>> {
-        Some(Box::new(Self::new(prediction)))
+        Some(Box::new(Self { prediction: Some(prediction), torque: self.torque }))
     }
 
     fn expects_effects(&self) -> bool {
         true
+    }
+
+    fn predicts_measured_torque(&self) -> bool {
+        self.torque == PredictedTorque::Measured
     }
 }
 
