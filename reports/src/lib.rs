@@ -17,6 +17,7 @@
 //! | report a study | [`study_document`] |
 //! | set one study on several robots side by side | [`robots_document`] |
 //! | draw criteria under single effects on several robots | [`criteria_figure`] |
+//! | draw criteria over the size of an effect | [`levels_figure`] |
 //! | report an estimate | [`estimate_document`] |
 //! | report the comparison of two estimates | [`comparison_document`] |
 //! | show a design | [`design_convergence`], [`limits_figure`] |
@@ -63,5 +64,5 @@ pub use estimate::{EstimateInput, ParameterRow, ResidualShares, TorqueTrace, est
 pub use figures::*;
 pub use heading::Heading;
 pub use residual::{ResidualDiagnostics, ResidualTrace};
-pub use study::{criteria_figure, robots_document, study_document};
+pub use study::{criteria_figure, levels_figure, robots_document, study_document};
 pub use style::{Dash, Group, GroupStyle, Marker};

@@ -66,10 +66,10 @@ pub struct Ratio {
     pub is_significant: bool,
 }
 
-const WIDTH: f64 = 640.0;
-const TITLE: Font = Font { size: 20.0, bold: true };
-const TEXT: Font = Font { size: 16.0, bold: false };
-const BOLD: Font = Font { size: 16.0, bold: true };
+pub(super) const WIDTH: f64 = 640.0;
+pub(super) const TITLE: Font = Font { size: 20.0, bold: true };
+pub(super) const TEXT: Font = Font { size: 16.0, bold: false };
+pub(super) const BOLD: Font = Font { size: 16.0, bold: true };
 /// Width of the names of rows, gap between panels, height of a row, distance between its two lanes, px.
 const NAMES: f64 = 130.0;
 const GAP: f64 = 18.0;
