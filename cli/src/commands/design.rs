@@ -85,13 +85,13 @@ pub(crate) struct Arguments {
     /// Estimates of earlier experiments, whose information is added
     #[arg(long, value_name = "E.json", num_args = 1.., conflicts_with = "weighted")]
     prior: Vec<PathBuf>,
-    /// Effects that model-error expects [default: load-friction,elasticity, realistic]
+    /// Effects that model-error or measured-torque expects [default: usual ones]
     #[arg(long, value_name = "EFFECT[=MAGNITUDE]", value_delimiter = ',', value_parser = expected_effect)]
     expect: Vec<(EffectKind, f64)>,
-    /// Motions to predict, for i-optimal and model-error [default: random ones]
+    /// Motions to predict, for i-optimal, measured-torque and model-error [default: random]
     #[arg(long, value_name = "T.toml", num_args = 1..)]
     predict: Vec<String>,
-    /// Recorded periods that model-error assumes
+    /// Recorded periods that model-error and measured-torque assume
     #[arg(long, value_name = "N", default_value_t = 10)]
     periods: usize,
     /// Skip the baseline: as many random trajectories as a start may evaluate

@@ -1,4 +1,7 @@
 //! The error of predicted torque where the arm has effects that the model lacks: variance and bias together.
+//!
+//! Two criteria share it. `model-error` predicts the torque of the arm without its effects, each of the declared size.
+//! `measured-torque` predicts what the arm with its effects measures, over several sizes of each effect.
 
 use nalgebra::DMatrix;
 
@@ -15,7 +18,8 @@ use super::prediction::{Carried, Prediction};
 /// J_s² = J_0² + Σ_{e ∈ s} p_eᵀ G p_e − 2 p_eᵀ h_e + s_e    p_e = M⁻¹ c_e
 /// ∂J_s²/∂c_e = 2 t_e      ∂J_s²/∂M = −M⁻¹ G M⁻¹/rows − Σ (t_e p_eᵀ + p_e t_eᵀ)      t_e = M⁻¹ (G p_e − h_e)
 /// ```
-/// h and s are zero where the estimate is to be that of the arm without the effects. J² is Box and Draper's integrated
+/// h and s are zero where the estimate is to be that of the arm without the effects. For measured torque a scenario is an
+/// effect of one size: a share ℓ of the declared effect has ℓ² of its bias. J² is Box and Draper's integrated
 /// mean squared error. Errors by effects differ by orders of magnitude, so that their sum would be that of the largest;
 /// the mean of logarithms weights a factor won under one the same as a factor lost under another, and needs no
 /// magnitudes to compare. The number that people read is the geometric mean of J_s, N·m. Source: G. E. P. Box,
@@ -234,7 +238,9 @@ mod tests {
                 squares: DVector::from_fn(3, |e, _| self.d_evaluated.column(e).norm_squared() * per_row),
             });
             let gram = self.evaluated.tr_mul(&self.evaluated) * per_row;
-            ModelError::new(Prediction { gram, rows: 30.0, effects: vec![0..1, 1..3], carried })
+            let of = if carries { ModelError::of_measured_torque() } else { ModelError::default() };
+            let prediction = Prediction { gram, rows: 30.0, effects: vec![0..1, 1..3], carried };
+            ModelError { prediction: Some(prediction), ..of }
         }
 
         fn moments(&self) -> (DMatrix<f64>, DMatrix<f64>) {
@@ -258,12 +264,17 @@ mod tests {
                 }
                 error.norm_squared() / 20.0
             };
-            let expected = [variance, variance + square(0), variance + square(1) + square(2)];
-            for (found, expected) in found.iter().zip(expected) {
+            let sizes: &[f64] = if carries { &[0.01, 0.1, 1.0] } else { &[1.0] };
+            let mut expected = vec![variance];
+            for whole in [square(0), square(1) + square(2)] {
+                expected.extend(sizes.iter().map(|size| variance + size * size * whole));
+            }
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(&expected) {
                 assert!((found - expected.sqrt()).abs() < 1e-11, "{found} {}", expected.sqrt());
             }
             let value = case.criterion(carries).evaluate_with_effects(&m, &c, None).value;
-            let geometric = expected.iter().map(|square| 0.5 * square.ln()).sum::<f64>() / 3.0;
+            let geometric = expected.iter().map(|square| 0.5 * square.ln()).sum::<f64>() / expected.len() as f64;
             assert!((value - geometric).abs() < 1e-11);
         }
     }
