@@ -101,6 +101,11 @@ pub trait Criterion: fmt::Debug + Send + Sync {
         false
     }
 
+    /// Whether the estimate is to predict the torque of the arm with these effects, as far as it can.
+    fn predicts_measured_torque(&self) -> bool {
+        false
+    }
+
     /// Its value where effects are expected, by the moments `c = W_bᵀ Σ⁻¹ d / rows` (b × E) of their torque beside `m`; where
     /// `sensitivity` is given, (S, S_c) with `d value = tr(S dM) + tr(S_cᵀ dc)`. Of a criterion that expects none the same
     /// as [`Self::evaluate`].
