@@ -148,7 +148,7 @@ pub(super) fn workspace(chain: &JointChain) -> Vec<ArticulatedJoint> {
         .joints
         .iter()
         .map(|_| ArticulatedJoint {
-            pose: JointPose::NOWHERE,
+            pose: JointPose::nowhere(0.0),
             c: Motion::zero(),
             inertia: ArticulatedInertia::ZERO,
             bias: Force::zero(),

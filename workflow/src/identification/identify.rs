@@ -62,7 +62,9 @@ pub fn identify(
     let (mut columns, among) = (settings.columns, settings.select);
     let stated = log.robot.robot.clone();
     log.closed_loops.get_or_insert(closed_loop);
-    let seeks = settings.onset_speed.unwrap_or_else(|| among.is_some() || log.has_no_periods());
+    // Torque by a guess of the servo shows no onset of friction.
+    let knows_servo = log.servo().is_none_or(|servo| servo.unknown.is_empty());
+    let seeks = settings.onset_speed.unwrap_or_else(|| among.is_some() || (log.has_no_periods() && knows_servo));
     let mut onset = if seeks { log.find_onset(among.map_or(columns, basic), observer)? } else { None };
     let mut selection = among.map(|among| log.select_watched(among, observer)).transpose()?;
     if let Some(selection) = &mut selection {
@@ -88,6 +90,9 @@ pub fn identify(
     let listed = settings.estimators.iter().map(|kind| kind.estimator());
     let estimators: Vec<&dyn Estimator> = listed.chain(settings.others.iter().map(|own| &**own)).collect();
     let estimates = log.identify_watched(columns, &estimators, observer)?;
+    if let Some(first) = estimates.first() {
+        log.take_servo(first, NAME)?;
+    }
     // What was ended returns at once.
     let ended = estimates.iter().any(|one| matches!(one.termination, Termination::Interrupted { .. }));
     let latch = Latch::new(observer);
