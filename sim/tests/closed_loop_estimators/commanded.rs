@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use armid::dynamics::States;
 use armid::estimation::{
-    ClosedLoop, ClosedLoopError, ClosedLoopReference, Estimate, EstimationError, EstimationProblem, EstimatorKind,
-    Observation, PositionServo, ServoPart,
+    ClosedLoopError, ClosedLoopReference, Estimate, EstimationError, EstimationProblem, EstimatorKind, Observation,
+    PositionServo, ServoPart,
 };
 use armid::experiment::Plant;
 use armid::observer::Unobserved;

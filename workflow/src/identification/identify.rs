@@ -62,10 +62,14 @@ pub fn identify(
     let (mut columns, among) = (settings.columns, settings.select);
     let stated = log.robot.robot.clone();
     log.closed_loops.get_or_insert(closed_loop);
-    // Torque by a guess of the servo shows no onset of friction.
-    let knows_servo = log.servo().is_none_or(|servo| servo.unknown.is_empty());
-    let seeks = settings.onset_speed.unwrap_or_else(|| among.is_some() || (log.has_no_periods() && knows_servo));
-    let mut onset = if seeks { log.find_onset(among.map_or(columns, basic), observer)? } else { None };
+    let seeks = settings.onset_speed.unwrap_or_else(|| among.is_some() || log.has_no_periods());
+    let mut onset = match log.servo().is_some_and(|servo| !servo.unknown.is_empty()) {
+        _ if !seeks => None,
+        false => log.find_onset(among.map_or(columns, basic), observer)?,
+        // What other estimators lack is said below.
+        true if settings.estimators != [EstimatorKind::Cloe] => None,
+        true => onset_by_servo(&mut log, columns, observer)?,
+    };
     let mut selection = among.map(|among| log.select_watched(among, observer)).transpose()?;
     if let Some(selection) = &mut selection {
         selection.terms.splice(0..0, onset.as_ref().map(FrictionSpeeds::evidence));
@@ -110,6 +114,22 @@ pub fn identify(
         None => None,
     };
     Ok(IdentifyAnswer { log, inputs, estimates, suspicions, selection, onset, speeds, transmissions, interrupted })
+}
+
+/// The onset of friction in torque by the servos that are estimated with the speeds of the robot file: a guess of them shows none.
+fn onset_by_servo(
+    log: &mut ProcessedLog,
+    columns: Columns,
+    observer: &dyn Observer,
+) -> Result<Option<FrictionSpeeds>, Error> {
+    let found = log.identify_watched(columns, &[EstimatorKind::Cloe.estimator()], observer)?;
+    let mut known = log.clone();
+    if let Some(found) = found.first() {
+        known.take_servo(found, NAME)?;
+    }
+    let onset = known.find_onset(columns, observer)?;
+    log.robot = known.robot;
+    Ok(onset)
 }
 
 /// Those of these columns beside which the onset of Coulomb friction is looked for before terms are selected.
