@@ -15,7 +15,7 @@ use armid::estimation::{
 };
 use armid::experiment::{DivergenceError, Plant};
 use armid::model::term::VISCOUS;
-use armid::model::{ParameterId, ParameterKind, Robot, StandardParameters};
+use armid::model::{Columns, ParameterId, ParameterKind, Robot, StandardParameters};
 use armid::observer::Observer;
 use armid::signal::Samples;
 use nalgebra::DMatrix;
@@ -75,8 +75,11 @@ impl CommandLoop {
                 "its motors are coupled, expected position servos that each turn a joint".to_owned(),
             ));
         }
-        let mut plant = AnalyticPlant::new(robot, nominal).map_err(|fault| unsimulable(fault.to_string()))?;
         let n = robot.dof();
+        // Without friction, which no step depends on.
+        let inertias = nominal.vector(robot, Columns::RIGID_ROTOR);
+        let inertias = StandardParameters::from_vector(robot, Columns::RIGID_ROTOR, inertias.as_slice());
+        let mut plant = AnalyticPlant::new(robot, &inertias).map_err(|fault| unsimulable(fault.to_string()))?;
         let log = |of: &Samples| {
             let start = [&of.states.q[..n], &of.states.qd[..n]].concat();
             let most = shortest(&mut plant, servo, &start[..n]).min(STEP_S / PART) * PART;

@@ -116,12 +116,14 @@ pub fn identify(
     Ok(IdentifyAnswer { log, inputs, estimates, suspicions, selection, onset, speeds, transmissions, interrupted })
 }
 
-/// The onset of friction in torque by the servos that are estimated with the speeds of the robot file: a guess of them shows none.
+/// The onset of friction in torque by the servos that are estimated, first with the onset that a guess of them shows: a law that jumps is
+/// not simulated.
 fn onset_by_servo(
     log: &mut ProcessedLog,
     columns: Columns,
     observer: &dyn Observer,
 ) -> Result<Option<FrictionSpeeds>, Error> {
+    log.find_onset(columns, observer)?;
     let found = log.identify_watched(columns, &[EstimatorKind::Cloe.estimator()], observer)?;
     let mut known = log.clone();
     if let Some(found) = found.first() {
