@@ -171,7 +171,7 @@ impl PositionServo {
         samples.tau.iter().enumerate().map(command).collect()
     }
 
-    /// Samples whose torque these servos made, as `other` servos under the same commands make it.
+    /// Samples whose torque these servos made, as `other` servos under the same commands make it; where a command is not known, no equations.
     #[must_use]
     pub fn restated(&self, samples: &Samples, other: &Self) -> Samples {
         let n = self.kp.len();
@@ -182,6 +182,14 @@ impl PositionServo {
             let (row, i) = (at / n, at % n);
             let (command, _) = between(&commands, n, i, row as f64 - later);
             *tau = other.kp[i] * (command - samples.states.q[at]) - other.kd[i] * samples.states.qd[at];
+        }
+        // Rows whose command was before the samples, or is after them, are no equations.
+        let last = (samples.states.len().max(1) - 1) as f64;
+        for (k, used) in restated.used.chunks_exact_mut(n).enumerate() {
+            let (first, end) = ((k * samples.block) as f64 - later, ((k + 1) * samples.block - 1) as f64 - later);
+            if first < 0.0 || end > last {
+                used.fill(false);
+            }
         }
         for (at, q) in restated.states.q.iter_mut().enumerate() {
             *q += other.value(ServoPart::Zero(at % n)) - self.value(ServoPart::Zero(at % n));
@@ -268,6 +276,8 @@ mod tests {
             }
             assert!((restated.states.q[2 * k] - position(at(k))[0] - 0.25).abs() < 1e-15);
         }
+        // Commands of the first rows were given before them.
+        assert!((0..2 * rows).all(|at| restated.used[at] == (at >= 4)), "{:?}", restated.used);
         let back = other.restated(&restated, &stated);
         assert!(back.states.q.iter().zip(&samples.states.q).all(|(a, b)| (a - b).abs() < 1e-15));
     }
