@@ -123,7 +123,9 @@ fn onset_by_servo(
     columns: Columns,
     observer: &dyn Observer,
 ) -> Result<Option<FrictionSpeeds>, Error> {
-    log.find_onset(columns, observer)?;
+    if log.find_onset(columns, observer)?.is_none() {
+        return Ok(None);
+    }
     let found = log.identify_watched(columns, &[EstimatorKind::Cloe.estimator()], observer)?;
     let mut known = log.clone();
     if let Some(found) = found.first() {
