@@ -41,11 +41,10 @@ impl ServoPart {
         if name == "delay" {
             return Some(Self::Delay);
         }
-        let of: [(&str, fn(usize) -> Self); 3] = [("kp", Self::Stiffness), ("kd", Self::Damping), ("zero", Self::Zero)];
-        of.into_iter().find_map(|(kind, part)| {
-            let joint: usize = name.strip_prefix(kind)?.parse().ok()?;
-            joint.checked_sub(1).map(part)
-        })
+        let joint = |kind: &str| name.strip_prefix(kind)?.parse::<usize>().ok()?.checked_sub(1);
+        let damping = || joint("kd").map(Self::Damping);
+        let zero = || joint("zero").map(Self::Zero);
+        joint("kp").map(Self::Stiffness).or_else(damping).or_else(zero)
     }
 
     /// Its joint, from zero; none of the delay.
