@@ -50,11 +50,8 @@ pub(crate) fn residual_table(
 pub(crate) fn left_out(prepared: &ProcessedLog) -> String {
     let mut text = String::new();
     for report in &prepared.reports {
-        let shares: Vec<String> = report
-            .equations
-            .iter()
-            .map(|count| format!("{:.0} %", 100.0 * (1.0 - *count as f64 / report.blocks.max(1) as f64)))
-            .collect();
+        let share = |count: &usize| format!("{:.0} %", 100.0 * (1.0 - *count as f64 / report.blocks.max(1) as f64));
+        let shares: Vec<String> = report.equations.iter().map(share).collect();
         let slow = 100.0 * prepared.settings.processing.reversal_fraction;
         if report.equations.iter().any(|count| *count < report.blocks) {
             let sentence = format!(

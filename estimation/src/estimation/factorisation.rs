@@ -20,6 +20,7 @@ use nalgebra::{DMatrix, DVector};
 use super::discrepancy::Discrepancy;
 use super::error::EstimationError;
 use super::observation::Observation;
+use super::omitted::OmittedTorque;
 use super::residual::{ResidualScale, scatter_noise};
 use crate::linalg::product::add_product;
 use crate::linalg::{BlockWhitening, LeastSquares, LeastSquaresError, RowFactor, transpose_product};
@@ -52,6 +53,7 @@ pub struct Factorisation<'a> {
     groups: Vec<SampleGroup>,
     ordinary: OnceLock<Result<LeastSquares, EstimationError>>,
     discrepancy: OnceLock<Result<Option<Discrepancy>, EstimationError>>,
+    omitted: Option<OmittedTorque>,
 }
 
 /// Samples that have the same joints as equations.
@@ -92,7 +94,17 @@ impl<'a> Factorisation<'a> {
             let (row, value) = all.find(|(_, value)| !value.is_finite()).unwrap_or((0, f64::INFINITY));
             return Err(LeastSquaresError::NotFinite { row, value }.into());
         }
-        Ok(Self { observation, groups, ordinary: OnceLock::new(), discrepancy: OnceLock::new() })
+        Ok(Self { observation, groups, ordinary: OnceLock::new(), discrepancy: OnceLock::new(), omitted: None })
+    }
+
+    /// With the torque of laws that the model omits, which the intervals of all its estimates include.
+    pub(super) fn with_omitted(self, omitted: Option<OmittedTorque>) -> Self {
+        Self { omitted, ..self }
+    }
+
+    /// That torque; `None` where it was not looked for.
+    pub(super) const fn omitted(&self) -> Option<&OmittedTorque> {
+        self.omitted.as_ref()
     }
 
     /// The observation that was factored.
@@ -124,7 +136,8 @@ impl<'a> Factorisation<'a> {
                 Ok(weights) => self.weighted(&weights)?.solution().clone(),
                 Err(_) => self.least_squares()?.solution().clone(),
             };
-            Ok(Discrepancy::found(self.observation, samples, &noise, beta.as_slice()))
+            let laws = self.omitted.as_ref().map(OmittedTorque::supported);
+            Ok(Discrepancy::found(self.observation, samples, &noise, beta.as_slice(), laws.as_ref()))
         });
         found.as_ref().map(Option::as_ref).map_err(Clone::clone)
     }
@@ -237,14 +250,8 @@ impl SampleGroup {
             .filter(|&i| used[i])
             .flat_map(|i| (0..b).filter(move |&j| seen(i, j)).map(move |j| (i, j)).chain([(i, b)]))
             .collect();
-        let sources: Vec<&[f64]> = entries
-            .iter()
-            .map(
-                |&(i, j)| {
-                    if j < b { &w.as_slice()[j * rows + i..(j + 1) * rows] } else { &observation.y.as_slice()[i..] }
-                },
-            )
-            .collect();
+        let column = |j: usize| if j < b { &w.as_slice()[j * rows..(j + 1) * rows] } else { observation.y.as_slice() };
+        let sources: Vec<&[f64]> = entries.iter().map(|&(i, j)| &column(j)[i..]).collect();
         let factored = samples.len() > WORTH_FACTORING * entries.len();
         let mut rows = DMatrix::zeros(n * if factored { entries.len() } else { samples.len() }, b + 1);
         if factored {

@@ -65,6 +65,17 @@ pub enum Finding {
         /// Unit of the RMS values.
         unit: String,
     },
+    /// The log supports a law that the model omits: at 5 % over all laws, by an F test beside those that it supports more.
+    EffectShown {
+        /// Name of the effect.
+        effect: String,
+        /// RMS of its size over the drives, with what noise leaves open.
+        size: f64,
+        /// Unit of the size; empty for a share.
+        unit: String,
+        /// p-value, adjusted over all laws.
+        p_adjusted: f64,
+    },
     /// Neighbouring residuals of a joint are more correlated than the noise.
     ResidualCorrelated {
         /// Joint, from one.
@@ -202,6 +213,7 @@ impl Finding {
             self,
             Self::ResidualAboveNoise { .. }
                 | Self::LackOfFit { .. }
+                | Self::EffectShown { .. }
                 | Self::ResidualCorrelated { .. }
                 | Self::FewPeriods { .. }
                 | Self::NoiseFromResidual
@@ -224,6 +236,9 @@ impl Finding {
             Self::LackOfFit { .. } => {
                 "look for a missing term in the residual figures of the report; thousandths of the torque may be encoder \
                  counts, which repeat with the motion. The intervals include what the residual shows of it"
+            }
+            Self::EffectShown { .. } => {
+                "the intervals include it; identify with selected terms to estimate it, if it is one of them"
             }
             Self::ResidualCorrelated { .. } => "look for a missing term in the residual over time and over velocity",
             Self::FewPeriods { .. } => "take the intervals as rough",
@@ -301,6 +316,10 @@ impl fmt::Display for Finding {
                 let variable = against.name();
                 let rms = three(*rms);
                 write!(f, "; largest at a {variable} of {from:.3} to {to:.3} {range_unit}: {rms} {unit}")
+            }
+            Self::EffectShown { effect, size, unit, p_adjusted } => {
+                let size = if unit.is_empty() { format!("{:.2} %", 100.0 * size) } else { format!("{size:.2} {unit}") };
+                write!(f, "the log shows {effect}, which the model omits: about {size} ({})", probability(*p_adjusted))
             }
             Self::ResidualCorrelated { joint, correlation, expected } => write!(
                 f,

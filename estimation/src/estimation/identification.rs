@@ -19,6 +19,7 @@ use super::linear_fit::LinearFit;
 use super::load_fit::observe;
 use super::observation::LEAST_SHARE;
 use super::observation::Observation;
+use super::omitted::omitted_torque;
 use super::prediction::{Validation, validate};
 use super::problem::EstimationProblem;
 use super::termination::Termination;
@@ -82,6 +83,7 @@ pub struct Identification {
     closed_loop: Result<Arc<dyn ClosedLoop>, ClosedLoopError>,
     regressor: JointTorqueRegressor,
     base: BaseReduction,
+    tests_laws: bool,
 }
 
 impl Identification {
@@ -140,7 +142,15 @@ impl Identification {
             closed_loop: Err(ClosedLoopError::NotGiven),
             regressor,
             base,
+            tests_laws: false,
         }
+    }
+
+    /// With tests of the laws that drives have and the model omits: friction of the load, current lag, elasticity and presliding. Intervals include
+    /// what the log cannot exclude of them, and a [`Finding::EffectShown`] names each that it supports.
+    #[must_use]
+    pub fn with_omitted_laws(self) -> Self {
+        Self { tests_laws: true, ..self }
     }
 
     /// With the closed loop in which the samples were recorded, or what is not known of it, for estimators that simulate.
@@ -204,6 +214,8 @@ impl Identification {
     ) -> Result<Vec<Estimate>, EstimationError> {
         let observation = self.observation(samples)?;
         let equations = Factorisation::new(&observation)?;
+        let omitted = if self.tests_laws { omitted_torque(&self.robot, &equations, samples)? } else { None };
+        let equations = equations.with_omitted(omitted);
         let problem = self.problem(&observation, samples).with_factorisation(&equations).with_observer(observer);
         let estimated = |estimator: &&dyn Estimator| {
             let found = match estimator.estimate(&problem) {

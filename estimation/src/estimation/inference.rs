@@ -9,7 +9,8 @@
 //! The scatter over periods does not see what repeats: model errors, errors of the measured motion. Where the residual of a
 //! joint is much larger than the scatter explains, C is taken from the residual with its correlation in time: that sees what
 //! joints say against each other, as under wrong torque constants. What single joints show of a torque that no parameter of
-//! theirs explains is added as a [`discrepancy`](super::discrepancy), where the states of the equations are known. What leaves no
+//! theirs explains is added as a [`discrepancy`](super::discrepancy), where the states of the equations are known. Torque by laws that
+//! drives have and the model omits is added with or without periods, where it is looked for ([`omitted`](super::omitted)). What leaves no
 //! trace in any residual is added as far as the robot file declares it ([`declared`](super::declared)).
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
@@ -26,7 +27,7 @@ use super::instruments::Instruments;
 use super::observation::Observation;
 use super::poorly_determined::poorly_determined;
 use super::problem::EstimationProblem;
-use super::residual::{ResidualScale, neighbour_correlation};
+use super::residual::{ResidualScale, joint_rms, neighbour_correlation};
 use super::residual::{residual_noise, scatter_noise};
 use super::termination::Termination;
 use crate::linalg::{LeastSquares, product};
@@ -110,11 +111,17 @@ impl Inference<'_> {
         let (mut beyond, mut found) = (Vec::new(), None);
         if self.basis == IntervalBasis::Scatter {
             let expected = ExpectedResidual::new(self.problem, self.fit, self.instruments, &noise, &covariance)?;
-            let residual = observation.residual(beta);
-            beyond = self.correlated(&residual, &expected);
-            let misfit = self.misfit(&residual_rms, &expected);
+            // What omitted laws explain is in their part of the covariance.
+            let mut left = observation.residual(beta);
+            let mut left_rms = residual_rms.clone();
+            if let Some(omitted) = equations.omitted() {
+                left -= omitted.left(observation, self.fit, self.instruments)?;
+                left_rms = joint_rms(left.as_slice(), &observation.used, observation.dof);
+            }
+            beyond = self.correlated(&left, &expected);
+            let misfit = self.misfit(&left_rms, &expected);
             if !misfit.is_empty() {
-                let seen = residual_noise(observation, &residual);
+                let seen = residual_noise(observation, &left);
                 covariance = self.covariance(&equations, &seen)?.1;
                 (freedom, interval_basis) = (seen.degrees_of_freedom(), IntervalBasis::Residual);
             }
@@ -126,23 +133,22 @@ impl Inference<'_> {
             }
             beyond.extend(misfit);
         }
+        if let Some(omitted) = equations.omitted() {
+            covariance += omitted.covariance(observation, self.fit, self.instruments)?;
+            beyond.extend_from_slice(omitted.findings());
+        }
         let declared = declared(self.problem, self.fit, self.instruments)?;
         if let Some(declared) = &declared {
             covariance += &declared.covariance;
         }
         let t = student_quantile(0.975, freedom);
-        let base: Vec<BaseEstimate> = observation
-            .base
-            .names()
-            .into_iter()
-            .enumerate()
-            .map(|(j, name)| {
-                let (value, std) = (beta[j], covariance[(j, j)].max(0.0).sqrt());
-                let unit = observation.parameter_units[j].clone();
-                let declared_std = declared.as_ref().map_or(0.0, |of| of.covariance[(j, j)].max(0.0).sqrt());
-                BaseEstimate { name, value, std, ci95: [value - t * std, value + t * std], unit, declared_std }
-            })
-            .collect();
+        let parameter = |(j, name): (usize, String)| {
+            let (value, std) = (beta[j], covariance[(j, j)].max(0.0).sqrt());
+            let unit = observation.parameter_units[j].clone();
+            let declared_std = declared.as_ref().map_or(0.0, |of| of.covariance[(j, j)].max(0.0).sqrt());
+            BaseEstimate { name, value, std, ci95: [value - t * std, value + t * std], unit, declared_std }
+        };
+        let base: Vec<BaseEstimate> = observation.base.names().into_iter().enumerate().map(parameter).collect();
         let mut findings = self.findings(&base);
         findings.extend(beyond);
         findings.extend(observation.base.nearly_dependent.as_ref().map(|left_out| Finding::NearlyDependent {
@@ -156,18 +162,14 @@ impl Inference<'_> {
         if let Some(completion) = &completion {
             findings.extend(completion.findings.iter().cloned());
         }
+        let motor_errors = declared.map(|of| of.of_motors).filter(|of| of.ncols() > 0);
         let estimate = Estimate {
             estimator: self.estimator.to_owned(),
             robot: observation.robot.clone(),
             columns: observation.columns.to_string(),
             shape: observation.shape.clone(),
             covariance: rows_of(&covariance),
-            motor_errors: declared
-                .map(|of| of.of_motors)
-                .filter(|of| of.ncols() > 0)
-                .as_ref()
-                .map(rows_of)
-                .unwrap_or_default(),
+            motor_errors: motor_errors.as_ref().map(rows_of).unwrap_or_default(),
             consistent: completion.as_ref().map(|c| c.findings.is_empty()),
             servo: Vec::new(),
             standard: completion.map(|c| {
@@ -196,6 +198,7 @@ impl Inference<'_> {
         let Some(samples) = self.problem.samples else { return Ok(None) };
         let observation = self.problem.observation;
         let of_kept = (!std::ptr::eq(kept, observation)).then(|| Factorisation::new(kept)).transpose()?;
+        let of_kept = of_kept.map(|of| of.with_omitted(equations.omitted().cloned()));
         let Some(found) = of_kept.as_ref().unwrap_or(equations).discrepancy(samples)? else { return Ok(None) };
         let functions = found.products(observation, self.instruments)?;
         let covariance = self.fit.sandwich(&(functions + self.products(equations, &found.white())?));
@@ -264,13 +267,12 @@ impl Inference<'_> {
     /// Joints whose residual is related to the one before more than noise is.
     fn correlated(&self, residual: &DVector<f64>, expected: &ExpectedResidual) -> Vec<Finding> {
         let found = neighbour_correlation(residual.as_slice(), self.problem.observation.dof);
-        found
-            .into_iter()
-            .zip(&expected.correlation)
-            .enumerate()
-            .filter(|(_, (correlation, expected))| *correlation > **expected + LARGE_CORRELATION)
-            .map(|(i, (correlation, &expected))| Finding::ResidualCorrelated { joint: i + 1, correlation, expected })
-            .collect()
+        let finding = |(i, (correlation, &expected)): (usize, (f64, &f64))| {
+            let joint = i + 1;
+            let is_large = correlation > expected + LARGE_CORRELATION;
+            is_large.then_some(Finding::ResidualCorrelated { joint, correlation, expected })
+        };
+        found.into_iter().zip(&expected.correlation).enumerate().filter_map(finding).collect()
     }
 
     fn findings(&self, base: &[BaseEstimate]) -> Vec<Finding> {
@@ -310,7 +312,7 @@ struct Inferred {
 
 /// A covariance whose variance in no direction is below [`LEAST_VARIANCE`] of that under white noise, so that it is
 /// positive definite for any measured lags: with `least = L Lᵀ`, the eigenvalues of `L⁻¹ C L⁻ᵀ` are raised.
-fn raised(covariance: DMatrix<f64>, least: &DMatrix<f64>) -> DMatrix<f64> {
+pub(super) fn raised(covariance: DMatrix<f64>, least: &DMatrix<f64>) -> DMatrix<f64> {
     let Some(factor) = Cholesky::new(least.clone()).map(|cholesky| cholesky.l()) else {
         return covariance;
     };

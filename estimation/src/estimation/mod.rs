@@ -39,6 +39,7 @@ mod load_friction;
 mod model_fit;
 mod motion;
 mod observation;
+mod omitted;
 mod ordinary;
 mod payload;
 mod poorly_determined;

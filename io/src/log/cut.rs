@@ -34,7 +34,7 @@ impl Log {
         )
     }
 
-    /// The same log at another rate, segment by segment.
+    /// Returns this log at another rate, segment by segment.
     #[must_use]
     pub(super) fn resampled(&self, rate_hz: f64) -> Self {
         let (n, mut before) = (self.dof, 0);

@@ -33,7 +33,7 @@ pub fn parse(texts: Vec<Text>, mapping: Option<&Mapping>, rate_hz: Option<f64>) 
     of_tables(texts.into_iter().map(LogTable::of_text).collect::<Result<_, _>>()?, mapping, rate_hz)
 }
 
-/// The same of tables of any kind.
+/// Reads the columns of a table of any kind.
 ///
 /// # Errors
 /// As [`parse`].

@@ -36,7 +36,7 @@ impl ProcessedLog {
         estimates.pop().ok_or_else(|| Error::new("no estimator is named, expected one"))
     }
 
-    /// The same by several estimators, of the list or from outside, which share base, nominal set and closed loop.
+    /// Identifies by several estimators, of the list or from outside, which share base, nominal set and closed loop.
     ///
     /// # Errors
     /// As [`Self::identify`].
@@ -44,7 +44,7 @@ impl ProcessedLog {
         self.identify_watched(columns, estimators, &Unobserved)
     }
 
-    /// The same, reporting to an observer, which may end estimators that iterate.
+    /// Identifies by several estimators and reports to an observer, which may end estimators that iterate.
     ///
     /// # Errors
     /// As [`Self::identify`].
@@ -55,7 +55,7 @@ impl ProcessedLog {
         observer: &dyn Observer,
     ) -> Result<Vec<Estimate>, Error> {
         let named = |error: EstimationError| self.unestimated(&error);
-        let mut identification = self.identification(columns).map_err(named)?;
+        let mut identification = self.identification(columns).map_err(named)?.with_omitted_laws();
         if let Some(guess) = self.robot.guess() {
             identification = identification.with_nominal(guess);
         }
@@ -91,7 +91,7 @@ impl ProcessedLog {
         self.select_watched(candidates, &Unobserved)
     }
 
-    /// The same, reporting every set of terms that is fitted to an observer, which may end it.
+    /// Selects terms and reports every set of terms that is fitted to an observer, which may end it.
     ///
     /// # Errors
     /// As [`Self::identify`]; of [`crate::ErrorKind::Interrupted`] where the observer ended it.

@@ -23,7 +23,7 @@ pub struct ProcessedLog {
     pub robot: LoadedRobot,
     /// What identification works on: those of all logs, in their order.
     pub samples: Samples,
-    /// The same, log by log.
+    /// The samples, log by log.
     pub parts: Vec<Samples>,
     /// Samples that are held out.
     pub held_out: Vec<Samples>,

@@ -33,10 +33,24 @@ const LEAST_HZ: f64 = 10.0;
 /// assert!((30.0..36.0).contains(&find_cutoff(&rows, 1, 1000.0)));
 /// ```
 pub fn find_cutoff(rows: &[f64], dof: usize, rate_hz: f64) -> f64 {
+    last_hz(rows, dof, rate_hz, |series, _| series.last_above_upper_half(ABOVE_NOISE)).max(LEAST_HZ.min(0.25 * rate_hz))
+}
+
+/// The same of positions behind a low pass of `band_hz`, Hz, whose noise is that from half the band on; no least frequency, for what is differentiated
+/// more than twice.
+pub(super) fn find_motion_band(rows: &[f64], dof: usize, rate_hz: f64, band_hz: f64) -> f64 {
+    last_hz(rows, dof, rate_hz, |series, spacing_hz| {
+        let line = |hz: f64| ((hz / spacing_hz) as usize).min(series.highest());
+        series.last_above(ABOVE_NOISE, line(0.5 * band_hz).max(1)..line(0.75 * band_hz) + 1)
+    })
+}
+
+/// The last line of any joint, by `last` of its spectrum and the spacing of the lines, Hz.
+fn last_hz(rows: &[f64], dof: usize, rate_hz: f64, last: impl Fn(&HarmonicSeries, f64) -> usize) -> f64 {
     let count = rows.len() / dof;
     let transform = FourierTransform::new(smooth_length(count));
     let spacing_hz = rate_hz / transform.len() as f64;
-    let last = (0..dof).map(|i| {
+    let lines = (0..dof).map(|i| {
         let mut x = column(rows, dof, i);
         let mean = x.iter().sum::<f64>() / count.max(1) as f64;
         for (k, x) in x.iter_mut().enumerate() {
@@ -44,9 +58,9 @@ pub fn find_cutoff(rows: &[f64], dof: usize, rate_hz: f64) -> f64 {
             *x = (*x - mean) * libm::sin(phase).powi(2);
         }
         x.resize(transform.len(), 0.0);
-        HarmonicSeries::new(&transform, &x, 1.0 / spacing_hz).last_above_upper_half(ABOVE_NOISE)
+        last(&HarmonicSeries::new(&transform, &x, 1.0 / spacing_hz), spacing_hz)
     });
-    (last.max().unwrap_or(0) as f64 * spacing_hz).max(LEAST_HZ.min(0.25 * rate_hz))
+    lines.max().unwrap_or(0) as f64 * spacing_hz
 }
 
 #[cfg(test)]

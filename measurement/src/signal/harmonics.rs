@@ -10,6 +10,8 @@
 //!
 //! Reference: Swevers et al. 1997, sec. IV.
 
+use std::ops::Range;
+
 use nalgebra::Complex;
 
 use super::fourier_transform::FourierTransform;
@@ -71,7 +73,7 @@ impl HarmonicSeries {
         self.lines.get(h).map_or(0.0, |line| line.norm())
     }
 
-    /// The same series without what lies above harmonic `h`.
+    /// Returns this series without what is above harmonic `h`.
     #[must_use]
     pub fn up_to(mut self, h: usize) -> Self {
         self.lines.truncate(h + 1);
@@ -89,10 +91,14 @@ impl HarmonicSeries {
 
     /// The last harmonic whose mean power is `ratio` times the largest of the upper half of the spectrum, which is taken for noise.
     pub fn last_above_upper_half(&self, ratio: f64) -> usize {
+        self.last_above(ratio, self.lines.len() / 2..self.lines.len())
+    }
+
+    /// The last harmonic below some others whose mean power is `ratio` times the largest of theirs, which are taken for noise.
+    pub fn last_above(&self, ratio: f64, noise: Range<usize>) -> usize {
         let power = self.smoothed_power();
-        let middle = power.len() / 2;
-        let floor = power[middle..].iter().copied().fold(0.0, f64::max);
-        (1..middle).rev().find(|&h| power[h] > ratio * floor).unwrap_or(0)
+        let floor = power[noise.clone()].iter().copied().fold(0.0, f64::max);
+        (1..noise.start).rev().find(|&h| power[h] > ratio * floor).unwrap_or(0)
     }
 
     /// Power of a line that is noise: that of white noise of variance `variance` per sample, for N samples, and not less than the mean
@@ -110,7 +116,7 @@ impl HarmonicSeries {
         self.smoothed_power().into_iter().enumerate().map(|(h, p)| if h == 0 { 1.0 } else { share(p) }).collect()
     }
 
-    /// The same series with every line times its factor; lines beyond the factors are left out.
+    /// Returns this series with every line times its factor; lines beyond the factors are left out.
     #[must_use]
     pub fn weighted(mut self, factors: &[f64]) -> Self {
         self.lines.truncate(factors.len());

@@ -18,6 +18,7 @@
 
 mod aperiodic;
 mod butterworth;
+mod calm;
 mod covariance_operator;
 mod cutoff;
 mod differences;

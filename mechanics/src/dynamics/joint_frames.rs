@@ -296,7 +296,7 @@ impl Body {
         }
     }
 
-    /// The same body seen from the parent's frame.
+    /// Returns this body as seen from the parent's frame.
     #[inline]
     pub(super) fn to_parent(self, pose: &JointPose) -> Self {
         Self {

@@ -176,7 +176,7 @@ impl Dynamics {
         }
     }
 
-    /// The same accelerations by the mass matrix of composite bodies and its `L D Lᵀ`, `O(n³)` with a small factor.
+    /// Joint accelerations by the mass matrix of composite bodies and its `L D Lᵀ`, `O(n³)` with a small factor.
     ///
     /// # Panics
     /// If a slice is shorter than n.
@@ -188,7 +188,7 @@ impl Dynamics {
         });
     }
 
-    /// The same accelerations by articulated bodies, `O(n)`.
+    /// Joint accelerations by articulated bodies, `O(n)`.
     ///
     /// Where motors are coupled the rotors' part `CᵀIaC` of the mass matrix is not diagonal: a rotor is then carried by
     /// no single joint, the recursion over single joints does not hold, and the mass matrix is used instead.

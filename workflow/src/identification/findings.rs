@@ -14,7 +14,7 @@ pub(super) struct Group<'a> {
 const SHOWN: usize = 3;
 
 /// The last kind that belongs on the first screen.
-const LAST_THAT_MATTERS: usize = 4;
+const LAST_THAT_MATTERS: usize = 5;
 
 /// How important a kind is; the least comes first.
 const fn rank(finding: &Finding) -> usize {
@@ -23,22 +23,23 @@ const fn rank(finding: &Finding) -> usize {
         Finding::NoNoise => 1,
         Finding::ResidualAboveNoise { .. } => 2,
         Finding::LackOfFit { .. } => 3,
+        Finding::EffectShown { .. } => 4,
         Finding::Impossible { .. } | Finding::NegativeDrive { .. } => LAST_THAT_MATTERS,
-        Finding::InconsistentLink { .. } => 5,
-        Finding::LargeCondition { .. } => 6,
-        Finding::PoorlyDetermined { .. } => 7,
-        Finding::ResidualCorrelated { .. } => 8,
-        Finding::FewPeriods { .. } => 9,
-        Finding::NoiseFromResidual => 10,
-        Finding::Outliers { .. } => 11,
-        Finding::HeldBack { .. } => 12,
-        Finding::NearlyDependent { .. } => 13,
-        Finding::BeyondShape { .. } => 14,
-        Finding::LeftOut { .. } => 15,
-        Finding::MotionTakenAsExact => 16,
-        Finding::DurbinWuHausman { .. } => 17,
-        Finding::HiddenFromPositions { .. } => 18,
-        Finding::MultipleShooting { .. } => 19,
+        Finding::InconsistentLink { .. } => 6,
+        Finding::LargeCondition { .. } => 7,
+        Finding::PoorlyDetermined { .. } => 8,
+        Finding::ResidualCorrelated { .. } => 9,
+        Finding::FewPeriods { .. } => 10,
+        Finding::NoiseFromResidual => 11,
+        Finding::Outliers { .. } => 12,
+        Finding::HeldBack { .. } => 13,
+        Finding::NearlyDependent { .. } => 14,
+        Finding::BeyondShape { .. } => 15,
+        Finding::LeftOut { .. } => 16,
+        Finding::MotionTakenAsExact => 17,
+        Finding::DurbinWuHausman { .. } => 18,
+        Finding::HiddenFromPositions { .. } => 19,
+        Finding::MultipleShooting { .. } => 20,
     }
 }
 

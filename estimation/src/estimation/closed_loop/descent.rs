@@ -202,3 +202,42 @@ impl Rest {
         Ok(LeastSquares::from_factors(self.beta.clone(), factors, fit.condition(), fit.condition_scaled())?)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimation::tests::synthetic;
+    use crate::seed::Seed;
+
+    #[test]
+    fn identity_a_step_onto_a_set_is_a_step_to_the_nearest_point_of_it() {
+        let (observation, beta) = synthetic(40, 4, &mut Seed::new(9).stream("onto", 0));
+        let (weights, problem) =
+            (BlockWhitening::new(&DMatrix::identity(2, 2)).unwrap(), EstimationProblem::new(&observation));
+        let descent = |onto| Descent {
+            problem: &problem,
+            observation: &observation,
+            weights: &weights,
+            rise: 0.0,
+            held: DMatrix::zeros(0, 4),
+            onto,
+        };
+        // Equations that are exact at β: from half of it, a step is the other half.
+        let from = 0.5 * &beta;
+        let residual = &observation.y - &observation.regressor * &from;
+        let at = Linearised { jacobian: observation.regressor.clone(), residual };
+        let (all, first_is_three) = (
+            |fit: &LeastSquares| Ok(fit.solution().clone()),
+            |fit: &LeastSquares| {
+                let mut nearest = fit.solution().clone();
+                nearest[0] = 3.0;
+                Ok(nearest)
+            },
+        );
+        let mut inside = &beta - &from;
+        assert!((descent(None).step(&at, &from, 0.0).unwrap() - &inside).norm() < 1e-12);
+        assert!((descent(Some(&all)).step(&at, &from, 0.0).unwrap() - &inside).norm() < 1e-12);
+        inside[0] = 3.0 - from[0];
+        assert!((descent(Some(&first_is_three)).step(&at, &from, 0.0).unwrap() - &inside).norm() < 1e-12);
+    }
+}

@@ -37,14 +37,15 @@ struct JointDiscrepancy {
 
 impl Discrepancy {
     /// What the residual shows; `None` where it shows nothing beyond the scatter over periods, and where the samples are not those
-    /// of the observation. β (b) says what each joint carries.
+    /// of the observation. β (b) says what each joint carries, and columns of `laws`, (n·M) × few, are explained.
     pub(in crate::estimation) fn found(
         observation: &Observation,
         samples: &Samples,
         noise: &NoiseModel,
         beta: &[f64],
+        laws: Option<&DMatrix<f64>>,
     ) -> Option<Self> {
-        let blocks = BlockedEquations::new(observation, samples)?;
+        let blocks = BlockedEquations::new(observation, samples, laws)?;
         let functions: Vec<Functions> =
             (0..observation.dof).map(|joint| features::of_joint(&blocks, observation, joint, beta)).collect();
         let residuals: Vec<(usize, JointResidual)> = functions

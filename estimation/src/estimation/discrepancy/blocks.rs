@@ -27,6 +27,8 @@ pub(super) struct BlockedEquations {
     /// Regressor, (n · count) × b.
     regressor: DMatrix<f64>,
     torque: DVector<f64>,
+    /// Torque of laws that explain what they can, (n · count) × few.
+    laws: DMatrix<f64>,
     /// Root of the share of a block's equations that are used, n · count; zero where fewer than half are.
     weight: Vec<f64>,
     /// Position, speed and acceleration, count × n each.
@@ -37,7 +39,7 @@ pub(super) struct BlockedEquations {
 
 impl BlockedEquations {
     /// `None` where the samples are not those of the observation.
-    pub(super) fn new(observation: &Observation, samples: &Samples) -> Option<Self> {
+    pub(super) fn new(observation: &Observation, samples: &Samples, laws: Option<&DMatrix<f64>>) -> Option<Self> {
         let (n, m) = (observation.dof, observation.samples());
         if samples.dof() != n || samples.blocks() != m || m == 0 {
             return None;
@@ -52,7 +54,8 @@ impl BlockedEquations {
         }
         let mean = |column: &[f64], row: usize| {
             let (block, i) = (row / n, row % n);
-            let sum: f64 = (0..length).map(|k| column[(block * length + k) * n + i]).sum();
+            let rows = (0..length).map(|k| (block * length + k) * n + i).filter(|row| observation.used[*row]);
+            let sum: f64 = rows.map(|row| column[row]).sum();
             // Rows that are no equation are zero.
             let used = weight[row] * weight[row] * length as f64;
             if used > 0.0 { sum / used } else { 0.0 }
@@ -76,6 +79,10 @@ impl BlockedEquations {
                 mean(&regressor[j * rows..(j + 1) * rows], row)
             }),
             torque: DVector::from_fn(n * count, |row, _| mean(observation.y.as_slice(), row)),
+            laws: laws.map_or_else(
+                || DMatrix::zeros(n * count, 0),
+                |laws| DMatrix::from_fn(n * count, laws.ncols(), |row, j| mean(laws.column(j).as_slice(), row)),
+            ),
             weight,
             q: state(&samples.states.q),
             qd: state(&samples.states.qd),
@@ -86,6 +93,13 @@ impl BlockedEquations {
     /// W of one joint, count × b.
     pub(super) fn regressor(&self, joint: usize) -> DMatrix<f64> {
         DMatrix::from_fn(self.count, self.regressor.ncols(), |block, j| self.regressor[(block * self.dof + joint, j)])
+    }
+
+    /// W of one joint and the torque of laws, count × (b + few): what no discrepancy is looked for in.
+    pub(super) fn explained(&self, joint: usize) -> DMatrix<f64> {
+        let b = self.regressor.ncols();
+        let entry = |row: usize, j: usize| if j < b { self.regressor[(row, j)] } else { self.laws[(row, j - b)] };
+        DMatrix::from_fn(self.count, b + self.laws.ncols(), |block, j| entry(block * self.dof + joint, j))
     }
 
     /// y of one joint, count.

@@ -4,12 +4,16 @@ use nalgebra::{DMatrix, DVector};
 
 use super::coverage::Coverage;
 use super::setting::{a460_samples, white};
+use crate::estimation::factorisation::Factorisation;
+use crate::estimation::omitted::omitted_torque;
 use crate::estimation::{Against, EstimationProblem, EstimatorKind, Finding, IntervalBasis, Observation};
+use crate::model::Robot;
 use crate::seed::Seed;
 use crate::signal::NoiseModel;
 
 /// The A460's recording of 200 instants with friction in proportion to the load, and its white noise.
 struct Arm {
+    robot: Robot,
     exact: Observation,
     samples: crate::signal::Samples,
     beta: DVector<f64>,
@@ -30,7 +34,7 @@ impl Arm {
         }
         let std = robot.joints().iter().map(|j| j.drive.current_noise * j.drive.torque_per_ampere());
         let covariance = DMatrix::from_diagonal(&DVector::from_iterator(6, std.map(|s| s * s)));
-        Self { exact, samples, beta, covariance }
+        Self { robot, exact, samples, beta, covariance }
     }
 
     fn observed(&self, seed: Seed, run: u64) -> Observation {
@@ -83,6 +87,49 @@ fn analytic_intervals_hold_what_the_model_lacks() {
     }
     assert!(with.pooled() > 0.9, "{} with, {} without", with.pooled(), without.pooled());
     assert!(without.pooled() < with.pooled() - 0.05, "{} with, {} without", with.pooled(), without.pooled());
+}
+
+#[test]
+fn analytic_intervals_cover_under_a_law_that_is_omitted_and_it_is_named() {
+    let seed = Seed::new(76);
+    for (level, periodic, runs) in [(0.0, false, 20), (0.05, false, 8), (0.05, true, 8)] {
+        let arm = Arm::new(level);
+        let (mut with, mut without) = (Coverage::new(arm.beta.len()), Coverage::new(arm.beta.len()));
+        let (mut named, mut narrower) = (0, 0.0);
+        for run in 0..runs {
+            let measured = arm.observed(seed, run);
+            let plain = Observation { noise: None, periodic: false, periods: 1, ..measured.clone() };
+            let observation = if periodic { measured } else { plain };
+            let equations = Factorisation::new(&observation).unwrap();
+            let omitted = omitted_torque(&arm.robot, &equations, &arm.samples).unwrap();
+            let equations = equations.with_omitted(omitted);
+            let wls = EstimatorKind::Wls.estimator();
+            let problem = EstimationProblem::new(&observation).with_samples(&arm.samples);
+            let seen = wls.estimate(&problem.with_factorisation(&equations)).unwrap();
+            named += usize::from(seen.findings.iter().any(|finding| match finding {
+                Finding::EffectShown { effect, size, .. } => {
+                    level == 0.0 || effect == "load-friction" && (0.02..0.1).contains(size)
+                }
+                _ => false,
+            }));
+            // What the law explains is no lack of fit.
+            assert!(!seen.findings.iter().any(|finding| matches!(finding, Finding::LackOfFit { .. })));
+            with.add(&seen, &arm.beta);
+            let generic = wls.estimate(&problem).unwrap();
+            let pairs = seen.base.iter().zip(&generic.base);
+            narrower += pairs.map(|(law, generic)| libm::log(law.std / generic.std)).sum::<f64>();
+            without.add(&generic, &arm.beta);
+        }
+        assert!(with.pooled() > 0.93, "{level}: {} with, {} without", with.pooled(), without.pooled());
+        match (level, periodic) {
+            // One run in twenty names a law that is not there: four of twenty are exceeded by chance in one of four hundred cases.
+            (0.0, _) => assert!(named <= 4, "{named} findings in {runs}"),
+            (_, false) => assert!(without.pooled() < 0.9, "{} without", without.pooled()),
+            // A law says more than functions of any kind.
+            (_, true) => assert!(narrower < 0.0, "{narrower}"),
+        }
+        assert!(level == 0.0 || named == runs as usize, "{named} of {runs}");
+    }
 }
 
 #[test]

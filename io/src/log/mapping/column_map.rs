@@ -215,7 +215,7 @@ impl ColumnMap {
         }
     }
 
-    /// The same as [`Self::parse`] reads it, behind its key.
+    /// The map as [`Self::parse`] reads it, behind its key.
     pub(crate) fn text(&self) -> String {
         let quoted = |text: &str| {
             if text.contains(char::is_whitespace) { format!("'{text}'") } else { text.to_owned() }

@@ -31,7 +31,7 @@ impl Mapping {
             .map_err(|fault| Error::new(format!("the mapping \"{text}\": {fault}")).help(EXAMPLE))
     }
 
-    /// The same from keys and what they are mapped to.
+    /// Reads a map from keys and what they are mapped to.
     ///
     /// # Errors
     /// A sentence.

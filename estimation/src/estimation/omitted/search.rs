@@ -1,0 +1,57 @@
+//! Which laws the samples of an observation show, and how large they may be.
+
+use std::ops::Range;
+
+use nalgebra::DMatrix;
+
+use super::evidence::Evidence;
+use super::laws::{self, Law};
+use super::scales::moments;
+use super::torque::OmittedTorque;
+use crate::estimation::error::EstimationError;
+use crate::estimation::factorisation::Factorisation;
+use crate::estimation::finding::Finding;
+use crate::estimation::linear_fit::LinearFit;
+use crate::model::Robot;
+use crate::signal::Samples;
+
+/// What the samples of an observation show; `None` where the torque has no noise to compare with, or a motion shows no law.
+///
+/// # Errors
+/// [`EstimationError`] where the weighted equations have no answer.
+pub(in crate::estimation) fn omitted_torque(
+    robot: &Robot,
+    equations: &Factorisation<'_>,
+    samples: &Samples,
+) -> Result<Option<OmittedTorque>, EstimationError> {
+    let observation = equations.observation();
+    if samples.is_noise_free() || samples.blocks() != observation.samples() {
+        return Ok(None);
+    }
+    let linear = LinearFit::weighted(equations)?;
+    let laws = laws::omitted(robot, observation, samples, linear.fit.solution())?;
+    let columns: Vec<_> = laws.iter().flat_map(|law| law.columns.column_iter()).collect();
+    let columns = DMatrix::from_columns(&columns);
+    let mut first = 0;
+    let groups: Vec<Range<usize>> = laws
+        .iter()
+        .map(|law| {
+            let group = first..first + law.columns.ncols();
+            first = group.end;
+            group
+        })
+        .collect();
+    let Some(evidence) = Evidence::new(observation, &linear, &columns)? else { return Ok(None) };
+    let Some((mean, second_moment)) = moments(&evidence, &groups) else { return Ok(None) };
+    let finding = |(group, p_adjusted): (usize, f64)| {
+        let (Law { effect, level, unit, .. }, own) = (&laws[group], groups[group].clone());
+        let count = own.len() as f64;
+        let square: f64 = own.map(|c| second_moment[(c, c)]).sum();
+        let size = level * (square / count).sqrt();
+        Finding::EffectShown { effect: effect.name().to_owned(), size, unit: (*unit).to_owned(), p_adjusted }
+    };
+    let supported = evidence.supported(&groups);
+    let places: Vec<usize> = supported.iter().flat_map(|&(group, _)| groups[group].clone()).collect();
+    let findings = supported.into_iter().map(finding).collect();
+    Ok(Some(OmittedTorque { columns, mean, second_moment, supported: places, findings }))
+}
