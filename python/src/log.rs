@@ -44,7 +44,10 @@ pub(crate) fn effort(name: &str) -> PyResult<EffortInterface> {
 }
 
 /// Gains, delay and what is unknown of position servos.
-fn of_servo((kp, kd, delay_s, names): (Vec<f64>, Vec<f64>, f64, Vec<String>)) -> PyResult<Servo> {
+type ServoNumbers = (Vec<f64>, Vec<f64>, f64, Vec<String>);
+
+/// The servos of these numbers.
+fn of_servo((kp, kd, delay_s, names): ServoNumbers) -> PyResult<Servo> {
     let part = |name: &String| {
         ServoPart::parse(name).ok_or_else(|| {
             unexpected(format!(
@@ -121,7 +124,7 @@ impl Log {
         qd: Option<Rows<'_>>,
         link_q: Option<Rows<'_>>,
         joints: Option<Vec<String>>,
-        servo: Option<(Vec<f64>, Vec<f64>, f64, Vec<String>)>,
+        servo: Option<ServoNumbers>,
     ) -> PyResult<Self> {
         let dof = q.shape()[1];
         let values = |rows: &Rows<'_>, what: &str| any(rows, what, dof).map(<[f64]>::to_vec);
