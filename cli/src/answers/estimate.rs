@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use armid::estimation::TorqueResidual;
+use armid::estimation::{Estimate, TorqueResidual};
 use armid_io::ProcessedLog;
 use armid_workflow::identification::Identified;
 use armid_workflow::numbers::{number, percent};
@@ -108,6 +108,7 @@ pub(crate) fn estimate_text(prepared: &ProcessedLog, of: &Identified, verbose: b
     text += &left_out(prepared);
     text.push('\n');
     text += &parameters(of, verbose);
+    text += &servo(estimate);
     match estimate.consistent {
         Some(true) => text.push_str("\nthe full set of parameters is physically consistent\n"),
         Some(false) => text.push_str("\nthe full set of parameters is not physically consistent\n"),
@@ -152,6 +153,21 @@ fn parameters(Identified { estimate, expressions, .. }: &Identified, verbose: bo
         table.row(row);
     }
     table.render(2)
+}
+
+/// What was found of position servos; nothing where nothing was unknown.
+fn servo(estimate: &Estimate) -> String {
+    if estimate.servo.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::of("servo | #guess | #value | #std | #95 % interval | # | unit");
+    for part in &estimate.servo {
+        let decimals = decimals(part.std);
+        let shown = |number: f64| format!("{number:.decimals$}");
+        let [value, std, low, high] = [part.value, part.std, part.ci95[0], part.ci95[1]].map(shown);
+        table.row([part.name.clone(), number(part.stated), value, std, low, high, part.unit.clone()]);
+    }
+    format!("\n{}", table.render(2))
 }
 
 /// Decimals that show two digits of a standard deviation.

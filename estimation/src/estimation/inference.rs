@@ -171,6 +171,7 @@ impl Inference<'_> {
             covariance: rows_of(&covariance),
             motor_errors: motor_errors.as_ref().map(rows_of).unwrap_or_default(),
             consistent: completion.as_ref().map(|c| c.findings.is_empty()),
+            servo: Vec::new(),
             standard: completion.map(|c| {
                 let values = observation.base.parameters.iter();
                 values.map(|&id| StandardEstimate { name: id.to_string(), value: c.parameters.get(id) }).collect()
@@ -205,7 +206,7 @@ impl Inference<'_> {
     }
 
     /// cov β̂ for one noise, and that noise as it was believed.
-    fn covariance(
+    pub(super) fn covariance(
         &self,
         equations: &Factorisation<'_>,
         noise: &NoiseModel,

@@ -81,6 +81,7 @@ impl Log {
             effort_unit: self.effort_unit,
             robot: self.robot.clone(),
             recording: None,
+            servo: self.servo.clone(),
             notes: self.notes.clone(),
             complete: self.complete,
             conversion: self.conversion.clone(),

@@ -145,7 +145,7 @@ pub(super) struct ArticulatedJoint {
 /// Workspace for `n` joints.
 pub(super) fn workspace(chain: &JointChain) -> Vec<ArticulatedJoint> {
     let joint = ArticulatedJoint {
-        pose: JointPose::NOWHERE,
+        pose: JointPose::nowhere(0.0),
         c: Motion::zero(),
         inertia: ArticulatedInertia::ZERO,
         bias: Force::zero(),

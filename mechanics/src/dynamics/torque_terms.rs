@@ -97,6 +97,11 @@ impl TorqueTerms {
         &self.parameters
     }
 
+    /// Whether there is any.
+    pub(super) const fn acts(&self) -> bool {
+        !self.banks.is_empty()
+    }
+
     /// Whether a term depends on the torque that the links take.
     pub const fn needs_load(&self) -> bool {
         self.needs_load
