@@ -93,6 +93,16 @@ class Results:
         ratio = Ratio(x["difference"], x["interval"], x["p_adjusted"], x["better"])
         return ratio.inverse(metric == "log-volume") if turned else ratio
 
+    def lead(self, effect, first, metric="prediction", scale=100):
+        """Size at which the lead over `first` ends as an effect grows, with its interval, in `levels.json` that `armid report --figure levels`
+        writes; without the upper end if that is beyond all sizes; "no lead" and "at none of these" if it does not."""
+        levels = one((x for x in json.loads((self.folder / "levels.json").read_text()) if x["effect"] == effect), effect)
+        lead = one((x for x in levels["ratios"] if (x["criterion"], x["metric"]) == (first, metric)), first)["lead"]
+        if isinstance(lead, str):
+            return {"none": "no lead", "remains": "at none of these"}[lead]
+        ends = lead["ends"]
+        return [scale * x for x in (ends["size"], ends["low"], ends["high"]) if x is not None]
+
     def better_under(self, first, second="d-optimal", metric="prediction", conditions=None):
         """Names of the conditions under which the first family is called better than the second."""
         return [c for c in conditions or self.conditions if self.over(first, second, metric, c).better == first]

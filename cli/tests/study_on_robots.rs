@@ -209,6 +209,9 @@ fn identity_each_robot_has_the_study_of_a_plan_with_it_alone_and_all_stand_side_
             assert_eq!(robots[robot]["ratios"][condition]["error"], *expected);
         }
     }
+    // One size of an effect is no series.
+    let none = fault(&armid_in(at, ["report", "both/planar-2r", "--figure", "levels", "-o", "wrong"]).code(2));
+    assert!(none.contains("two sizes"), "{none}");
     let wrong = armid_in(at, ["report", "study.toml", "--figure", "criteria", "-o", "wrong"]).code(2);
     assert!(
         fault(&wrong).contains("study.toml:2:") && fault(&wrong).contains("--figure criteria"),
@@ -252,10 +255,13 @@ fn identity_each_robot_has_the_study_of_a_plan_with_it_alone_and_all_stand_side_
 }
 
 #[test]
-fn frozen_the_front_figure_is_drawn_from_the_numbers_beside_it() {
+fn frozen_the_front_figures_are_drawn_from_the_numbers_beside_them() {
     let gallery = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reports/gallery/readme");
-    let (folder, stored) = (temporary(), gallery.join("criteria.json"));
-    succeeds(folder.path(), &["report", stored.to_str().unwrap(), "--figure", "criteria", "-o", "."]);
+    let folder = temporary();
+    for figure in ["criteria", "levels"] {
+        let stored = gallery.join(figure).with_extension("json");
+        succeeds(folder.path(), &["report", stored.to_str().unwrap(), "--figure", figure, "-o", "."]);
+    }
     assert!(files(folder.path()) == files(&gallery));
 }
 

@@ -1,4 +1,4 @@
-"""The A460 of a study in numpy: base regressor, true parameters, and the random motions on which predictions are scored.
+"""The arm of a study in numpy, of revolute joints in distal Denavit-Hartenberg frames: base regressor, true parameters, and the random motions on which predictions are scored.
 
 Written beside the program from its documented equations (NOTATION.md, `mechanics/src/seed.rs`, `src/study/validation.rs`), so that what the
 scripts of this folder say of states agrees with what `armid study` stored to rounding, and not by the same code.
@@ -35,7 +35,8 @@ class Arm:
     """Kinematics (distal Denavit-Hartenberg), limits and drives of a robot file, with parameters of the file beside it."""
 
     def __init__(self, name="crs-a460"):
-        folder = ROOT / "models" / name
+        file = pathlib.Path(__file__).parent / name
+        folder = file.parent if name.endswith(".toml") else ROOT / "models" / name
         self.file = tomllib.loads((folder / "robot.toml").read_text())
         self.joints = self.file["joint"]
         self.n = len(self.joints)

@@ -125,7 +125,7 @@ impl Error {
         Self::new(message).at(text, error.span().unwrap_or(0..0), "here").maybe_help(suggestion::from_list_in(message))
     }
 
-    /// The same error at some bytes of a text; the label stands under them.
+    /// Returns this error at some bytes of a text; the label stands under them.
     #[must_use]
     pub fn at(mut self, text: &Text, span: Range<usize>, label: impl Into<String>) -> Self {
         let (line, column) = text.position(span.start);
@@ -136,7 +136,7 @@ impl Error {
         self
     }
 
-    /// The same error at a line and a column that a reader reported.
+    /// Returns this error at a line and a column that a reader reported.
     #[must_use]
     pub fn at_line(self, text: &Text, line: usize, column: usize) -> Self {
         let start = text.offset(line, column);
@@ -149,21 +149,21 @@ impl Error {
         self.at(text, start..end, "here")
     }
 
-    /// The same error with what helps.
+    /// Returns this error with advice.
     #[must_use]
     pub fn help(mut self, help: impl Into<Remedy>) -> Self {
         self.remedy = Some(help.into());
         self
     }
 
-    /// The same error with what helps, where anything does.
+    /// Returns this error with advice, if there is any.
     #[must_use]
     pub fn maybe_help(mut self, help: Option<impl Into<Remedy>>) -> Self {
         self.remedy = help.map(Into::into).or(self.remedy);
         self
     }
 
-    /// The same error with more that helps, behind what helps already.
+    /// Returns this error with more advice, after what it has.
     #[must_use]
     pub(crate) fn more_help(mut self, help: Option<Remedy>) -> Self {
         self.remedy = match (self.remedy, help) {
@@ -173,7 +173,7 @@ impl Error {
         self
     }
 
-    /// The same error about a robot that the file of an estimate names: where nothing has that name, `help` says what to do.
+    /// Returns this error about a robot that the file of an estimate names: where nothing has that name, `help` says what to do.
     #[must_use]
     pub fn of_an_estimate(mut self, estimate: &str, help: impl Into<Remedy>) -> Self {
         if self.kind == ErrorKind::Unknown {

@@ -49,7 +49,7 @@ pub fn set_prior(problem: &mut DesignProblem, loaded: &LoadedRobot, paths: &[Pat
     Ok(())
 }
 
-/// The same robot, the same columns, the same base parameters in the same order.
+/// Checks that robot, columns and base parameters agree, in one order.
 fn check(estimate: &Estimate, problem: &DesignProblem, loaded: &LoadedRobot, name: &str) -> Result<(), Error> {
     check_robot(estimate, name, loaded)?;
     let columns = problem.objective().columns().to_string();

@@ -54,6 +54,8 @@ class Log:
     @staticmethod
     def read(paths: Sequence[str], mapping: str | None, rate_hz: float | None, robot: Robot | None) -> Log: ...
     @staticmethod
+    def from_table(name: str, text: str, mapping: str | None, rate_hz: float | None) -> Log: ...
+    @staticmethod
     def from_arrays(
         name: str,
         q: Floats,
@@ -64,7 +66,7 @@ class Log:
         qd: Floats | None,
         link_q: Floats | None,
         joints: Sequence[str] | None,
-        servo: tuple[Sequence[float], Sequence[float], float] | None,
+        servo: tuple[Sequence[float], Sequence[float], float, Sequence[str]] | None,
     ) -> Log: ...
     @property
     def robot(self) -> Robot | None: ...

@@ -201,6 +201,11 @@ class Estimate:
         return [one.get("expression", one["name"]) for one in self._base]
 
     @property
+    def servo(self) -> dict[str, dict[str, Any]]:
+        """What was unknown of position servos, by name: ``value``, ``std``, ``ci95``, the guess ``stated``, and ``unit``."""
+        return {one["name"]: {key: one[key] for key in ("value", "std", "ci95", "stated", "unit")} for one in self._data.get("servo", [])}
+
+    @property
     def covariance(self) -> Floats:
         """Covariance of the values, (b, b)."""
         b = len(self._base)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Union
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,7 +32,7 @@ def _gains(values: ArrayLike, name: str, dof: int) -> list[float]:
 class Log:
     """Positions and efforts of the joints of a robot at a constant rate.
 
-    `Log.read` reads a file, `Log.from_arrays` takes arrays, `Robot.simulate` makes one.
+    `Log.read` reads a file, `Log.from_arrays` and `Log.from_dataframe` take what is in memory, `Robot.simulate` makes one.
 
     >>> import armid
     >>> robot = armid.Robot.load("planar-2r")
@@ -72,6 +74,35 @@ class Log:
         return cls(_armid.Log.read([os.fspath(one) for one in paths], map, rate, None if robot is None else robot._robot))
 
     @classmethod
+    def from_dataframe(cls, df: Any, map: str | None = None, rate: float | None = None, name: str = "dataframe") -> Log:
+        """Make a log of a table of pandas or polars, or of a dictionary of columns.
+
+        Parameters
+        ----------
+        df : table
+            Columns of numbers with names, N rows.
+        map, rate : optional
+            As those of `Log.read`.
+        name : str
+            What messages call the log.
+
+        Raises
+        ------
+        ArmidError
+            Where a column holds no numbers, or the columns are not as `map` says.
+        """
+        names = getattr(df, "columns", None)
+        columns = {str(key): vector(df[key], str(key)) for key in (df if names is None else names)}
+        lengths = {len(column) for column in columns.values()}
+        if len(lengths) != 1:
+            raise ArmidError(f"{name} has {len(columns)} columns of {sorted(lengths)} rows, expected columns of one length")
+        text = io.StringIO()
+        heading = io.StringIO()
+        csv.writer(heading, lineterminator="").writerow(columns)
+        np.savetxt(text, np.column_stack(list(columns.values())), delimiter=",", header=heading.getvalue(), comments="", fmt="%.17g")
+        return cls(_armid.Log.from_table(name, text.getvalue(), map, None if rate is None else float(rate)))
+
+    @classmethod
     def from_arrays(
         cls,
         q: ArrayLike,
@@ -82,6 +113,7 @@ class Log:
         kp: ArrayLike | None = None,
         kd: ArrayLike | None = None,
         delay: float = 0.0,
+        unknown: Sequence[str] = (),
         t: ArrayLike | None = None,
         rate: float | None = None,
         qd: ArrayLike | None = None,
@@ -102,6 +134,9 @@ class Log:
             ``kp (q_cmd(t - delay) - q) - kd qd``. A servo at its limit has another torque: make its rows NaN.
         delay : float
             Time after which a command acts, s. A servo that holds each command until the next acts half a row late on average.
+        unknown : sequence of names, optional
+            Which of these numbers are guesses: ``"delay"``, or ``"kp1"`` or ``"kd1"`` of a joint from one on; and ``"zero1"``, the error of an
+            encoder's zero. ``robot.identify(log, "cloe")`` estimates them (`Estimate.servo`), or says why the motion does not show one.
         t : array (N,)
             Time of each row, s; or `rate`.
         rate : float
@@ -124,7 +159,7 @@ class Log:
         if len(found) != 1:
             raise ArmidError(f"found {' and '.join(found) or 'no efforts'}, expected exactly one of tau=, current= and q_cmd=")
         ((key, efforts),) = found.items()
-        if key != "q_cmd" and (kp is not None or kd is not None or delay != 0.0):
+        if key != "q_cmd" and (kp is not None or kd is not None or delay != 0.0 or unknown):
             raise ArmidError(f"found {key}= with gains of a servo, expected q_cmd= with kp=, kd= and delay=")
         if key == "q_cmd" and (kp is None or kd is None):
             raise ArmidError("found q_cmd= without gains, expected kp= and kd= of its servo, kd=0 where it has no damping")
@@ -137,7 +172,7 @@ class Log:
         of_servo = None
         if kp is not None and kd is not None:
             dof = arrays[0].shape[1]
-            of_servo = (_gains(kp, "kp", dof), _gains(kd, "kd", dof), float(delay))
+            of_servo = (_gains(kp, "kp", dof), _gains(kd, "kd", dof), float(delay), list(unknown))
         return cls(
             _armid.Log.from_arrays(
                 name,

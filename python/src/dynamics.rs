@@ -117,10 +117,7 @@ pub(crate) fn inverse_dynamics(
     let (n, states) = (robot.dof(), states(robot.dof(), [q, qd, qdd])?);
     let out = output(&mut out, &[states.len(), n])?;
     py.detach(|| {
-        let mut dynamics = Dynamics::new(&robot.loaded.robot, &parameters);
-        for (k, tau) in out.chunks_exact_mut(n).enumerate() {
-            dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), tau);
-        }
+        Dynamics::new(&robot.loaded.robot, &parameters).inverse_of(&states, out);
     });
     Ok(())
 }

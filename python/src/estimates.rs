@@ -12,7 +12,7 @@ use armid_io::log::{HeldOut, find};
 use armid_io::robot::ChainSource;
 use armid_io::{Error, Inputs, LogSettings, ProcessedLog, Text, estimate};
 use armid_workflow::export::{Exchange, ExportSettings, export as exported, export_source};
-use armid_workflow::report::{TorqueComparison, write_estimate_report};
+use armid_workflow::report::{Sheet, TorqueComparison, write_estimate_report};
 use armid_workflow::{PayloadSide, columns_of, payload as payload_of, validate as validated};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadwriteArrayDyn};
 use pyo3::prelude::*;
@@ -264,7 +264,7 @@ pub(crate) fn report(
     let (robot, logs) = (robot.clone(), kept(logs));
     let page = watched(py, None, Leaves::Files, move |observer| {
         let (log, inputs) = made.log(&robot, &logs)?;
-        write_estimate_report(&folder, (&made.estimate, &made.name), &log, inputs, observer)
+        write_estimate_report(&folder, (&made.estimate, &made.name), &log, inputs, Sheet::Screen, observer)
     })?;
     page.map_err(exception)
 }

@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
+use armid::estimation::ServoPart;
 use armid::model::EffortInterface;
 use armid::model::format::ChainEnds;
-use armid_io::log::{ArrayTime, LogArrays, Servo, find};
+use armid_io::Text;
+use armid_io::log::{ArrayTime, LogArrays, Mapping, Servo, find, parse_tables};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -39,6 +41,21 @@ pub(crate) fn effort(name: &str) -> PyResult<EffortInterface> {
         .into_iter()
         .find(|effort| effort.name() == name)
         .ok_or_else(|| unexpected(format!("effort is \"{name}\", expected torque or current")))
+}
+
+/// Gains, delay and what is unknown of position servos.
+type ServoNumbers = (Vec<f64>, Vec<f64>, f64, Vec<String>);
+
+/// The servos of these numbers.
+fn of_servo((kp, kd, delay_s, names): ServoNumbers) -> PyResult<Servo> {
+    let part = |name: &String| {
+        ServoPart::parse(name).ok_or_else(|| {
+            unexpected(format!(
+                "unknown holds \"{name}\", expected delay, kp1, kd1 or zero1, the number being a joint's"
+            ))
+        })
+    };
+    Ok(Servo { unknown: names.iter().map(part).collect::<PyResult<_>>()?, ..Servo::new(kp, kd, delay_s) })
 }
 
 /// Whether a path is that of a table, by its name.
@@ -78,6 +95,22 @@ impl Log {
         })
     }
 
+    /// Of a table of text, which is no file.
+    #[staticmethod]
+    fn from_table(
+        py: Python<'_>,
+        name: String,
+        text: String,
+        mapping: Option<&str>,
+        rate_hz: Option<f64>,
+    ) -> PyResult<Self> {
+        let mapping = mapping.map(Mapping::parse).transpose().map_err(exception)?;
+        let table = Text::new(name, text);
+        let mut log = py.detach(|| parse_tables(vec![table], mapping.as_ref(), rate_hz)).map_err(exception)?;
+        log.origin.files.clear();
+        Ok(Self { rate_hz, ..Self::of(log) })
+    }
+
     #[staticmethod]
     #[allow(clippy::too_many_arguments, reason = "one for each quantity of a log")]
     fn from_arrays(
@@ -91,7 +124,7 @@ impl Log {
         qd: Option<Rows<'_>>,
         link_q: Option<Rows<'_>>,
         joints: Option<Vec<String>>,
-        servo: Option<(Vec<f64>, Vec<f64>, f64)>,
+        servo: Option<ServoNumbers>,
     ) -> PyResult<Self> {
         let dof = q.shape()[1];
         let values = |rows: &Rows<'_>, what: &str| any(rows, what, dof).map(<[f64]>::to_vec);
@@ -126,7 +159,7 @@ impl Log {
             link_q: optional(&link_q, "q_link")?,
             effort: values(&efforts, "the efforts")?,
             effort_unit: effort_name.map(effort).transpose()?,
-            servo: servo.map(|(kp, kd, delay_s)| Servo { kp, kd, delay_s }),
+            servo: servo.map(of_servo).transpose()?,
         };
         let log = py.detach(|| armid_io::Log::from_arrays(arrays)).map_err(exception)?;
         Ok(Self { rate_hz, ..Self::of(log) })

@@ -4,6 +4,8 @@ import json
 
 import armid
 import numpy as np
+import pandas
+import polars
 import pytest
 
 pytestmark = pytest.mark.filterwarnings("ignore::armid.ArmidWarning")
@@ -54,7 +56,9 @@ def test_identity_a_table_and_its_arrays_are_one_log(folder, robot, monkeypatch)
     t, q, efforts = table[:, 0], table[:, 1:3], table[:, 3:5]
     kind = armid.Log.read("R.csv").effort_kind
     arrays = armid.Log.from_arrays(q, t=t, **{"tau" if kind == "torque" else "current": efforts})
-    for log in ("R.csv", arrays):
+    columns = pandas.read_csv("R.csv")
+    frames = [armid.Log.from_dataframe(df) for df in (columns, polars.from_pandas(columns), columns.to_dict("list"))]
+    for log in ("R.csv", arrays, *frames):
         ours = robot.identify(log, **of)
         assert np.array_equal(ours.values, command.values) and np.array_equal(ours.std, command.std)
         assert ours.unexplained() == command.unexplained()

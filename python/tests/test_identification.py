@@ -59,10 +59,40 @@ def test_identity_commands_of_a_servo_are_the_torque_that_it_makes(robot, design
         (dict(q_cmd=q, kp=[1.0, 2.0, 3.0], kd=kd), "kp has the shape"),
         (dict(q_cmd=q, kp=kp, kd=-1.0), "kd is -1, expected zero"),
         (dict(q_cmd=q, kp=kp, kd=kd, delay=np.nan), "delay is NaN s"),
+        (dict(tau=q, unknown=["delay"]), "found tau= with gains of a servo"),
+        (dict(q_cmd=q, kp=kp, kd=kd, unknown=["lag"]), 'unknown holds "lag", expected delay, kp1'),
+        (dict(q_cmd=q, kp=kp, kd=kd, unknown=["kp3"]), "expected one of joints 1 to 2"),
         (dict(), "found no efforts"),
     ]:
         with pytest.raises(armid.ArmidError, match=said):
             armid.Log.from_arrays(q, t=t, **given)
+
+
+def test_what_is_unknown_of_a_servo_is_estimated_by_cloe_alone(robot, design):
+    kp, kd, step = np.array([90.0, 40.0]), np.array([5.0, 2.0]), 0.005
+    t, command, speed, _ = design.sample(1.0 / step)
+    command = np.concatenate([command] * 2)
+    q, qd, reached = command[0], speed[0], []
+
+    def slope(q, qd, goal):
+        return robot.forward_dynamics(q, qd, kp * (goal - q) - kd * qd)
+
+    late = 4
+    for row in range(len(command)):
+        reached.append(q)
+        goal = command[max(row - late, 0)]
+        half_q, half_qd = q + 0.5 * step * qd, qd + 0.5 * step * slope(q, qd, goal)
+        q, qd = q + step * half_qd, qd + step * slope(half_q, half_qd, goal)
+    servo = dict(q_cmd=command, kp=[90.0, 30.0], kd=kd, unknown=["delay", "kp2"], rate=1.0 / step)
+    log = armid.Log.from_arrays(np.array(reached), **servo)
+    estimate = robot.identify(log, "cloe", columns="rigid+rotor+viscous+coulomb", period=None, held_out=None)
+    found = estimate.servo
+    # Commands are held for a row, half a row late on average.
+    for name, known, most in [("delay", (late + 0.5) * step, 5e-4), ("kp2", 40.0, 1.0)]:
+        assert abs(found[name]["value"] - known) < most and found[name]["std"] < most, found[name]
+    assert (found["delay"]["unit"], found["kp2"]["unit"], found["kp2"]["stated"]) == ("s", "N·m/rad", 30.0)
+    with pytest.raises(armid.ArmidError, match="delay, kp2 of the servo is unknown, expected it to be known for the estimator wls"):
+        robot.identify(log, "wls", period=None)
 
 
 def test_identity_the_load_that_was_put_on_is_found():
@@ -170,6 +200,8 @@ def test_logs_that_cannot_be_used_are_refused(robot, log, tmp_path):
     stamps = np.arange(100) / 100.0
     for call, said in [
         (lambda: armid.Log.from_arrays(q, q), "expected either t="),
+        (lambda: armid.Log.from_dataframe({"t": stamps, "x": stamps}, "t=t, q=y, tau=x"), "y"),
+        (lambda: armid.Log.from_dataframe({"t": stamps, "q1": stamps[1:], "tau1": stamps}), "expected columns of one length"),
         (lambda: armid.Log.from_arrays(q, q, current=q, rate=1.0), "exactly one of tau=, current= and q_cmd="),
         (lambda: armid.Log.from_arrays(q, q, t=stamps[::-1]), "row 1"),
         (lambda: armid.Log.from_arrays(q, q, t=stamps[:5]), "t has 5 values, expected 100"),

@@ -13,7 +13,7 @@ use crate::{
 pub struct Prediction {
     /// RMS difference of each joint, in the comparison's units.
     pub rms: Vec<f64>,
-    /// The same as a share of the measured effort's RMS.
+    /// RMS of the difference as a share of the measured effort's RMS.
     pub relative_rms: Vec<f64>,
 }
 

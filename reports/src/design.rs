@@ -49,7 +49,9 @@ pub(crate) fn value_axis(criterion: &str) -> Axis {
         Some(CriterionKind::ConditionPlusSigma) => Axis::log("condition number + 1/σ_min", ""),
         Some(CriterionKind::ConditionPlusD) => Axis::linear("condition number − ln det", ""),
         Some(CriterionKind::IOptimal) => Axis::log("variance of predicted torque, times rows", "(N·m)²"),
-        Some(CriterionKind::ModelError) => Axis::log("error expected of predicted torque", "N·m"),
+        Some(CriterionKind::ModelError | CriterionKind::MeasuredTorque) => {
+            Axis::log("error expected of predicted torque", "N·m")
+        }
         None => Axis::linear(criterion, ""),
     }
 }

@@ -1,6 +1,7 @@
 //! The page of one estimate: does it explain the torque, where not, and what it found.
 
 use crate::document::{Cell, Column, Table};
+use crate::drawing::ticks::significant;
 use crate::residual::ResidualDiagnostics;
 use crate::{
     Axis, Bar, BarFigure, BarRow, Document, DocumentError, Group, GroupStyle, Heading, Line, Section, TimePanel,
@@ -126,7 +127,10 @@ pub fn torque_figure(traces: &[TorqueTrace], of: &str, unit: &str, bandwidth_hz:
 }
 
 fn torque(input: &EstimateInput) -> Result<Section, DocumentError> {
-    let figure = torque_figure(&input.traces, &input.traces_of, &input.unit, input.bandwidth_hz);
+    let mut figure = torque_figure(&input.traces, &input.traces_of, &input.unit, input.bandwidth_hz);
+    if let Some((label, total)) = input.shares.last().and_then(|share| Some((&share.label, share.total?))) {
+        figure.heading.title = format!("The prediction misses {} % of the torque ({label})", significant(total, 2));
+    }
     Section::new("Torque").figure(&figure)
 }
 
@@ -140,7 +144,8 @@ fn shares(input: &EstimateInput) -> Result<Section, DocumentError> {
         bars: input.shares.iter().map(|share| share.total.map(|value| Bar { value, interval: None })).collect(),
     };
     let figure = BarFigure {
-        heading: Heading::new("shares", "Torque that is not explained")
+        heading: Heading::new("shares", worst(input).unwrap_or_else(|| "Torque that is not explained".to_owned()))
+            .subtitle("torque that is not explained")
             .caption("Bars: RMS of measured less predicted torque over the RMS of the measured."),
         value: Axis::linear("share of the measured RMS", "%"),
         groups: Group::assign(input.shares.iter().map(|share| share.label.clone())),
@@ -149,6 +154,14 @@ fn shares(input: &EstimateInput) -> Result<Section, DocumentError> {
         digits: Some(2),
     };
     Section::new("Residual").figure(&figure)
+}
+
+/// Where the last rows are explained worst.
+fn worst(input: &EstimateInput) -> Option<String> {
+    let last = input.shares.last()?;
+    let named = input.joints.iter().zip(&last.joints).filter_map(|(joint, share)| share.map(|share| (joint, share)));
+    let (joint, share) = named.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    Some(format!("{joint} is explained worst: {} % of its torque is missing ({})", significant(share, 2), last.label))
 }
 
 fn found(input: &EstimateInput) -> Section {

@@ -26,14 +26,14 @@ impl Heading {
         Self { name: name.into(), title: title.into(), subtitle: String::new(), caption: String::new() }
     }
 
-    /// The same heading with a line under the title.
+    /// Returns this heading with a line under the title.
     #[must_use]
     pub fn subtitle(mut self, subtitle: impl Into<String>) -> Self {
         self.subtitle = subtitle.into();
         self
     }
 
-    /// The same heading with a caption.
+    /// Returns this heading with a caption.
     #[must_use]
     pub fn caption(mut self, caption: impl Into<String>) -> Self {
         self.caption = caption.into();

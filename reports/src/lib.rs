@@ -17,6 +17,7 @@
 //! | report a study | [`study_document`] |
 //! | set one study on several robots side by side | [`robots_document`] |
 //! | draw criteria under single effects on several robots | [`criteria_figure`] |
+//! | draw criteria over the size of an effect | [`levels_figure`] |
 //! | report an estimate | [`estimate_document`] |
 //! | report the comparison of two estimates | [`comparison_document`] |
 //! | show a design | [`design_convergence`], [`limits_figure`] |
@@ -57,11 +58,13 @@ pub use comparison::{ComparisonInput, Prediction, comparison_document};
 pub use design::{design_convergence, limits_figure, poses_figure};
 pub use document::{Block, Cell, Column, Document, RenderedFigure, Section, Table};
 pub use drawing::axis::{Axis, Scale};
+pub use drawing::drawn::Drawing;
 pub use drawing::rows::{Band, Level};
+pub use drawing::sheet::Sheet;
 pub use error::{DocumentError, FigureError};
 pub use estimate::{EstimateInput, ParameterRow, ResidualShares, TorqueTrace, estimate_document, torque_figure};
 pub use figures::*;
 pub use heading::Heading;
 pub use residual::{ResidualDiagnostics, ResidualTrace};
-pub use study::{criteria_figure, robots_document, study_document};
+pub use study::{criteria_figure, levels_figure, robots_document, study_document};
 pub use style::{Dash, Group, GroupStyle, Marker};

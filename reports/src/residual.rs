@@ -1,8 +1,8 @@
 //! What the residual of an estimate shows: figures, each with the sentence that it supports.
 
 use crate::{
-    Axis, DocumentError, GroupStyle, Heading, Limit, Line, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint,
-    Section, TimePanel, TimeSeriesFigure,
+    Axis, Dash, DocumentError, GroupStyle, Heading, Limit, Line, ScatterFigure, ScatterGroup, ScatterPanel,
+    ScatterPoint, Section, TimePanel, TimeSeriesFigure,
 };
 
 /// Joints in one figure.
@@ -31,7 +31,7 @@ pub struct ResidualTrace {
     pub white_within: f64,
 }
 
-/// What the residual shows. The first sentence on each figure is its caption, the others stand below it.
+/// What the residual shows. The first sentence on each figure is its title, the others are below it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ResidualDiagnostics {
     /// Joint by joint; those without equations are left out.
@@ -110,7 +110,12 @@ impl ResidualDiagnostics {
     ) -> Vec<TimePanel> {
         let panel = |trace| {
             let (times, values) = of(trace);
-            let line = Line::new("residual", GroupStyle::nth(2), times.clone(), values.clone());
+            let line = Line::new(
+                "residual",
+                GroupStyle { dash: Dash::Solid, ..GroupStyle::nth(2) },
+                times.clone(),
+                values.clone(),
+            );
             TimePanel { title: trace.joint.clone(), lines: vec![line], limits: limits(trace) }
         };
         self.traces.iter().take(PANELS).map(panel).collect()
@@ -132,15 +137,15 @@ impl ResidualDiagnostics {
     }
 }
 
-fn headed(name: &str, title: &str, sentences: &[String]) -> Heading {
-    let heading = Heading::new(name, title);
+/// A figure whose title is the first sentence on it, if there is one: what the figure finds.
+fn headed(name: &str, shown: &str, sentences: &[String]) -> Heading {
     match sentences.first() {
-        Some(first) => heading.caption(first.clone()),
-        None => heading,
+        Some(first) => Heading::new(name, first.trim_end_matches('.')).subtitle(shown).caption(format!("{shown}.")),
+        None => Heading::new(name, shown),
     }
 }
 
-/// The sentences beside the caption's.
+/// The sentences after the title's.
 fn others(section: Section, sentences: &[String]) -> Section {
     if sentences.len() > 1 { section.list(sentences[1..].to_vec()) } else { section }
 }

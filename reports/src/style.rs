@@ -129,7 +129,7 @@ impl GroupStyle {
         Some(Self::nth(index))
     }
 
-    /// The same style with lines `width_px` wide.
+    /// Returns this style with lines `width_px` wide.
     #[must_use]
     pub fn with_width(self, width_px: f64) -> Self {
         Self { width_px, ..self }

@@ -3,13 +3,15 @@
 
 mod golden;
 
+use armid::experiment::{EffectKind, Effects};
 use armid::statistics::Interval;
 use armid::study::{
-    CriterionRatios, Examples, FamilyScore, HarmonicsPlan, Metric, ReportInput, RobotsSummary, StudyResult,
+    Comparison, CriterionRatios, EffectLevels, Examples, FamilyScore, HarmonicsPlan, Lead, Metric, ReportInput,
+    RobotsSummary, StudyResult,
 };
 use armid_reports::{
-    Axis, Bar, BarFigure, BarRow, Document, Figure, Group, Heading, Level, Section, criteria_figure, robots_document,
-    study_document,
+    Axis, Bar, BarFigure, BarRow, Document, Figure, Group, Heading, Level, Section, criteria_figure, levels_figure,
+    robots_document, study_document,
 };
 use golden::{assert_golden, folder, text_of};
 
@@ -71,6 +73,35 @@ fn golden_page_of_a_study_on_two_robots() {
     assert_golden("criteria.svg", &figure.svg().unwrap());
     let summary = RobotsSummary::of(&[first, second]);
     assert_golden("robots.txt", &text_of(&robots_document(&summary).unwrap()));
+}
+
+#[test]
+fn golden_criteria_over_the_size_of_an_effect() {
+    // With an exact model every criterion errs twice as much as D-optimality; at each further size 0.6 times as much as before.
+    let mut result = input().result;
+    let exact = result.conditions[0].clone();
+    result.conditions.clear();
+    for (step, size) in [0.0, 0.0005, 0.005, 0.05].into_iter().enumerate() {
+        let mut part = exact.clone();
+        part.condition.effects = Effects::none().with(EffectKind::LoadFriction, size);
+        for c in &mut part.findings.comparisons {
+            if let Some(over) = c.over("d-optimal") {
+                let ratio = 2.0 * 0.6_f64.powi(step as i32);
+                let interval = Some(Interval { low: ratio / 1.2, high: ratio * 1.2 });
+                *c = Comparison { difference: ratio, interval, ..over };
+            }
+        }
+        result.conditions.push(part);
+    }
+    let levels = EffectLevels::of(&result);
+    // ln ρ falls by ln 0.6 in a decade from 1.2 at 0.0005: 1 is reached after ln 1.2 / ln(1/0.6) of one.
+    let expected = 0.0005 * 10.0_f64.powf(1.2_f64.ln() / (1.0 / 0.6_f64).ln());
+    let lead =
+        levels[0].ratios.iter().find(|r| r.criterion == "condition" && r.metric == Metric::Prediction).unwrap().lead;
+    assert!(matches!(lead, Lead::Ends { size, .. } if (size / expected - 1.0).abs() < 1e-9), "{lead:?}");
+    assert_golden("levels.svg", &levels_figure(&levels[0]).svg().unwrap());
+    let page = text_of(&study_document(&ReportInput { result, examples: input().examples }).unwrap());
+    assert!(page.contains("From which size of an effect on?") && page.contains("load friction"), "{page}");
 }
 
 #[test]

@@ -73,19 +73,19 @@ impl SimulatedArm {
         Self { robot: robot.clone(), nominal, truth, engine, effects: Effects::none(), robot_text: "".into() }
     }
 
-    /// The same arm with further effects. Where its truth has one of them too, these count.
+    /// Returns this arm with further effects. They replace those of its truth.
     #[must_use]
     pub fn with_effects(self, effects: Effects) -> Self {
         Self { effects, ..self }
     }
 
-    /// The same arm, whose recordings hold this text of the robot file.
+    /// Returns this arm; its recordings hold this text of the robot file.
     #[must_use]
     pub fn with_robot_text(self, text: impl Into<Arc<str>>) -> Self {
         Self { robot_text: text.into(), ..self }
     }
 
-    /// The same robot, servo and effects with another truth.
+    /// Returns this arm with another truth; robot, servo and effects stay.
     #[must_use]
     pub fn made_of(&self, truth: &Truth) -> Self {
         Self { truth: truth.clone(), ..self.clone() }

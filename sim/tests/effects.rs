@@ -63,7 +63,7 @@ fn plant(engine: Engine, arm: &ActualArm) -> Box<dyn Plant> {
     }
 }
 
-/// The same arm behind gears of the same torque per ampere to the last bit: without an effect of the gear nothing changes.
+/// The arm behind gears of the same torque per ampere to the last bit: without an effect of the gear nothing changes.
 fn geared(robot: Robot) -> Robot {
     let gear = |joint: &mut Joint| (joint.drive.gear, joint.drive.torque_constant) = (64.0, 1.0 / 64.0);
     robot.with_joints(gear).unwrap()
@@ -116,7 +116,7 @@ fn alike(kinds: &[EffectKind], coarse: f64) {
     alike_within(kinds, 1e-7, coarse);
 }
 
-/// The same with another allowance for MuJoCo.
+/// Compares the engines with another allowance for MuJoCo.
 fn alike_within(kinds: &[EffectKind], fine: f64, coarse: f64) {
     let plain = Engine::ALL.map(|engine| perform(engine, &Effects::none(), &Sensing::ideal()));
     for &kind in kinds {

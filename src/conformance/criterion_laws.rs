@@ -160,6 +160,7 @@ mod tests {
                 | CriterionKind::ConditionPlusD
                 | CriterionKind::IOptimal
                 | CriterionKind::ModelError
+                | CriterionKind::MeasuredTorque
                 | CriterionKind::ConditionInUnits => Invariance::Order,
             };
             for criterion in [kind.criterion(), kind.smooth(8.0)] {

@@ -46,7 +46,7 @@ pub struct Comparison {
     /// Two-sided p-value of no difference.
     #[serde(default)]
     pub p: Option<f64>,
-    /// The same adjusted for all pairs of families compared in this metric with this estimator under this condition (Holm).
+    /// The p-value adjusted for all pairs of families compared in this metric with this estimator under this condition (Holm).
     #[serde(default)]
     pub p_adjusted: Option<f64>,
     /// The better family, where the adjusted p is below 0.05; of a log volume, where the interval excludes no difference.
@@ -292,7 +292,7 @@ mod tests {
         findings_of_draws(families, runs_of_noise, runs_are_matched, 0)
     }
 
-    /// The same where each run has one of so many draws of effects.
+    /// Findings if each run has one of so many draws of effects.
     fn findings_of_draws(
         families: Vec<Vec<(SharedStart, Vec<Option<f64>>)>>,
         runs_of_noise: usize,

@@ -7,7 +7,7 @@ use crate::experiment::Level;
 
 /// The criteria by the names of their designs, and the one that they are compared with.
 const CRITERIA: [&str; 2] = ["condition", "i-optimal"];
-const REFERENCE: &str = "d-optimal";
+pub(super) const REFERENCE: &str = "d-optimal";
 
 /// Torque errors on random motions relative to the reference, on one robot.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -60,12 +60,17 @@ impl CriterionRatios {
                 }));
             }
         }
-        let is_reference = |family: usize| plan.designs.get(family).is_some_and(|design| design.name == REFERENCE);
         Self {
             robot: result.provenance.robot.clone(),
             reference: REFERENCE.to_owned(),
-            designs: result.designs.iter().filter(|design| is_reference(design.family)).count(),
+            designs: designs_of_reference(result),
             ratios,
         }
     }
+}
+
+/// Number of designs of the reference.
+pub(super) fn designs_of_reference(result: &StudyResult) -> usize {
+    let is_reference = |family: usize| result.plan.designs.get(family).is_some_and(|design| design.name == REFERENCE);
+    result.designs.iter().filter(|design| is_reference(design.family)).count()
 }

@@ -5,7 +5,7 @@ pub fn criterion_in_words(name: &str) -> String {
     match name {
         "condition" => "condition number".to_owned(),
         "condition-scaled" => "column-normalised condition number".to_owned(),
-        _ if name.ends_with("-optimal") => capitalised(name),
+        _ if name.ends_with("-optimal") || name.ends_with("-optimal, equal speed") => capitalised(name),
         _ => name.to_owned(),
     }
 }
@@ -31,6 +31,7 @@ mod tests {
             ("condition", "condition number"),
             ("condition-scaled", "column-normalised condition number"),
             ("d-optimal", "D-optimal"),
+            ("d-optimal, equal speed", "D-optimal, equal speed"),
             ("random", "random"),
         ] {
             assert_eq!(criterion_in_words(name), words);

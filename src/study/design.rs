@@ -167,6 +167,7 @@ impl StudySetup {
     fn problem_of(&self, family: usize, before: &[StudyDesign]) -> Result<DesignProblem, StudyError> {
         let plan = &self.plan.designs[family];
         let criterion = plan.criterion(&self.own)?;
+        let (expected, is_measured) = (plan.expected_effects(&*criterion), criterion.predicts_measured_torque());
         let expects_effects = criterion.expects_effects();
         let mut problem = self.problem(criterion, plan.evaluations)?;
         let harmonics = match &plan.harmonics {
@@ -188,8 +189,9 @@ impl StudySetup {
             problem.set_limits(problem.limits().clone().with_rms_speed(most)?)?;
         }
         if expects_effects {
-            let expected = plan.expected_effects().expected(&self.robot, &self.nominal);
-            problem.set_expected(expected.map_err(|fault| plan_error::expected(&fault))?)?;
+            let expected = expected.expected(&self.robot, &self.nominal);
+            let expected = expected.map_err(|fault| plan_error::expected(&fault))?;
+            problem.set_expected(if is_measured { expected.carried() } else { expected })?;
         }
         if let Some(prior) = self.collected(before)? {
             problem.set_prior(prior)?;

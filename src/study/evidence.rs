@@ -72,7 +72,7 @@ pub struct Evidence<'a> {
 }
 
 /// Scores, comparisons and correlations over all outcomes.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Findings {
     /// The score of every family with every estimator.
     pub families: Vec<FamilyScore>,
@@ -81,7 +81,7 @@ pub struct Findings {
     /// Every estimator against the one that figures show, on the same recordings.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub estimator_comparisons: Vec<EstimatorComparison>,
-    /// The same over random truths, where the study draws them.
+    /// Estimators compared over random truths, if the study draws them.
     #[serde(default)]
     pub over_truths: Vec<TruthComparison>,
     /// Median over runs of the prediction RMSE of each design (outer: estimator, inner: design), N·m.
@@ -100,14 +100,7 @@ impl Evidence<'_> {
     /// # Errors
     /// [`StudyError::Runs`] where the numbers of the runs cannot be read.
     pub fn findings(&self) -> Result<Findings, StudyError> {
-        let mut findings = Findings {
-            families: Vec::new(),
-            comparisons: Vec::new(),
-            estimator_comparisons: self.estimator_comparisons()?,
-            over_truths: Vec::new(),
-            design_prediction: Vec::new(),
-            criterion_correlations: Vec::new(),
-        };
+        let mut findings = Findings { estimator_comparisons: self.estimator_comparisons()?, ..Findings::default() };
         let pairs = self.pairs();
         for (index, name) in self.estimators.iter().enumerate() {
             let runs = self.estimator_runs(index, name)?;

@@ -108,14 +108,11 @@ impl StudySetup {
             (0..n).map(|j| values.iter().skip(j).step_by(n).copied().collect()).collect()
         };
         let (measured_torque, predicted) = (by_joint(&measured.tau), by_joint(predicted.as_slice()));
-        let rms = measured_torque
-            .iter()
-            .zip(&predicted)
-            .map(|(m, p)| {
-                let difference: Vec<f64> = m.iter().zip(p).map(|(a, b)| a - b).collect();
-                crate::statistics::root_mean_square(&difference)
-            })
-            .collect();
+        let rms = |(m, p): (&Vec<f64>, &Vec<f64>)| {
+            let difference: Vec<f64> = m.iter().zip(p).map(|(a, b)| a - b).collect();
+            crate::statistics::root_mean_square(&difference)
+        };
+        let rms = measured_torque.iter().zip(&predicted).map(rms).collect();
         PredictionExample {
             family: self.plan.designs[design.family].name.clone(),
             estimator: estimate.estimator.clone(),

@@ -203,6 +203,7 @@ mod tests {
             base: base.collect(),
             covariance: covariance.row_iter().map(|row| row.iter().copied().collect()).collect(),
             motor_errors: Vec::new(),
+            servo: Vec::new(),
             standard: None,
             consistent: None,
             residual_rms: vec![1.0],

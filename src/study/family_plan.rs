@@ -27,7 +27,7 @@ pub enum DesignMethod {
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(untagged)]
 pub enum HarmonicsPlan {
-    /// The same of every joint.
+    /// One number for all joints.
     Every(usize),
     /// One number for each joint.
     Each(Vec<usize>),
@@ -65,7 +65,7 @@ pub struct FamilyPlan {
     /// Evaluations of the criterion that each design may use; a gradient counts as one more.
     #[serde(default)]
     pub evaluations: usize,
-    /// Effects that the criterion `model-error` expects of the arm; [`Effects::expected_by_default`] where absent.
+    /// Effects that the criterion expects of the arm; [`Effects::expected_by`] where absent.
     #[serde(default, skip_serializing_if = "Effects::is_none")]
     pub expected: Effects,
     /// Runs of each design, where it differs from the study's.
@@ -90,8 +90,8 @@ impl FamilyPlan {
     }
 
     /// The effects that its designs expect.
-    pub fn expected_effects(&self) -> Effects {
-        if self.expected.is_none() { Effects::expected_by_default() } else { self.expected.clone() }
+    pub fn expected_effects(&self, criterion: &dyn Criterion) -> Effects {
+        if self.expected.is_none() { Effects::expected_by(criterion) } else { self.expected.clone() }
     }
 
     /// The family of trajectories.

@@ -8,7 +8,7 @@ use super::outcome::ScoredEstimate;
 pub enum Metric {
     /// Torque prediction RMSE on random motions, N·m.
     Prediction,
-    /// The same, each joint over its torque rating.
+    /// Error of the predicted torque, each joint over its torque rating.
     PredictionOfRating,
     /// Log volume of the error in reference units.
     LogVolume,

@@ -8,6 +8,7 @@
 mod advice;
 mod agreement;
 mod answer;
+mod effect_levels;
 mod effect_sensitivity;
 mod bound;
 mod experiment_sequence;
@@ -77,6 +78,7 @@ pub use criterion_correlation::CriterionCorrelation;
 pub use criterion_ratios::{CriterionRatios, EffectRatio};
 pub use criterion_words::{capitalised, criterion_in_words, criterion_pair_in_words};
 pub use design::StudyDesign;
+pub use effect_levels::{EffectLevels, Lead, LevelRatios};
 pub use effect_sensitivity::{EffectSensitivity, ParameterBias, SensitivityEntry};
 pub use error::StudyError;
 pub use estimator_comparison::EstimatorComparison;

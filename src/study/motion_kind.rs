@@ -7,7 +7,7 @@ pub enum MotionKind {
     /// Random trajectories.
     #[default]
     Random,
-    /// The same at 30 % of their speed.
+    /// Random motions at 30 % of their speed.
     Slow,
     /// Quintic moves between random poses.
     PointToPoint,

@@ -136,7 +136,7 @@ impl StudyPlan {
         self.check_with(&OwnMethods::default())
     }
 
-    /// The same where the plan may also name methods from outside.
+    /// Reads a plan that may also name methods from outside.
     ///
     /// # Errors
     /// As [`StudyPlan::check`].
@@ -168,25 +168,13 @@ impl StudyPlan {
         if self.engines.is_empty() {
             return Err(number("engines", "[]", "at least one name"));
         }
-        for (i, engine) in self.engines.iter().enumerate() {
-            if self.engines[..i].contains(engine) {
-                return Err(StudyPlanError::Twice { key: "engines", found: engine.clone() });
-            }
-        }
-        for (i, effects) in self.effect_sets.iter().enumerate() {
-            if self.effect_sets[..i].contains(effects) {
-                return Err(StudyPlanError::Twice { key: "conditions", found: effects.to_string() });
-            }
-        }
+        check_once("engines", &self.engines, String::clone)?;
+        check_once("conditions", &self.effect_sets, Effects::to_string)?;
         let (names, sets) = (self.condition_names.len(), self.effect_sets.len());
         if names > 0 && names != sets {
             return Err(number("condition_names", names, "one for each of the conditions, or none"));
         }
-        for (i, name) in self.condition_names.iter().enumerate() {
-            if self.condition_names[..i].contains(name) {
-                return Err(StudyPlanError::Twice { key: "condition_names", found: name.clone() });
-            }
-        }
+        check_once("condition_names", &self.condition_names, String::clone)?;
         let units = &self.reference;
         for (key, found) in [
             ("experiment.period_s", self.experiment.period_s),
@@ -279,11 +267,7 @@ impl StudyPlan {
     }
 
     fn check_variance_reduction(&self) -> Result<(), StudyPlanError> {
-        for (i, way) in self.variance_reduction.iter().enumerate() {
-            if self.variance_reduction[..i].contains(way) {
-                return Err(StudyPlanError::Twice { key: "variance_reduction", found: format!("{way:?}") });
-            }
-        }
+        check_once("variance_reduction", &self.variance_reduction, |way| format!("{way:?}"))?;
         let odd = (0..self.designs.len())
             .map(|family| self.runs_of(family))
             .find(|runs| !runs.is_multiple_of(self.runs_of_noise()));
@@ -351,6 +335,14 @@ impl StudyPlan {
     /// Runs of each design of a family.
     pub fn runs_of(&self, family: usize) -> usize {
         self.designs[family].runs.unwrap_or(self.runs)
+    }
+}
+
+/// Nothing stands twice in a list.
+fn check_once<T: PartialEq>(key: &'static str, list: &[T], name: impl Fn(&T) -> String) -> Result<(), StudyPlanError> {
+    match list.iter().enumerate().find(|(i, one)| list[..*i].contains(one)) {
+        Some((_, twice)) => Err(StudyPlanError::Twice { key, found: name(twice) }),
+        None => Ok(()),
     }
 }
 

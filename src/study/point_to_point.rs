@@ -51,7 +51,7 @@ impl PointToPointMove {
         Self { from, to, duration_s }
     }
 
-    /// The same way in so many times the time.
+    /// Returns this way in so many times the time.
     pub(super) fn slowed(&self, factor: f64) -> Self {
         Self { duration_s: factor * self.duration_s, ..self.clone() }
     }

@@ -14,7 +14,7 @@ pub enum Replication {
     /// Pairs of designs, one of each family, that share their start.
     #[serde(rename = "paired designs")]
     PairedDesigns,
-    /// The same pairs, and draws of the arm that all designs share.
+    /// Pairs of designs that share their start, and draws of the arm that all designs share.
     #[serde(rename = "paired designs and draws")]
     PairedDesignsAndDraws,
     /// Designs of either family.

@@ -8,6 +8,7 @@ use super::examples::Examples;
 use super::plan::StudyPlan;
 use super::radkhah2007::Reproduction;
 use super::setup::StudySetup;
+use crate::model::Joint;
 use crate::provenance::Provenance;
 
 /// The stored summary of a study. Equal plan, equal bytes.
@@ -107,33 +108,19 @@ impl StudySetup {
         radkhah2007: Option<Reproduction>,
     ) -> StudyResult {
         let (truth, units) = (&self.scorer().truths()[0], self.scorer().units());
-        let parameters = self
-            .base
-            .names()
-            .into_iter()
-            .zip(self.base.expressions(&self.robot))
-            .enumerate()
-            .map(|(i, (name, expression))| ParameterLine {
-                name,
-                expression,
-                unit: {
-                    let id = self.base.parameters[self.base.kept[i]];
-                    id.kind.unit(self.robot.joints()[id.index].kind).to_owned()
-                },
-                truth: truth[i],
-                reference_unit: units[i],
-            })
-            .collect();
-        let joints = self
-            .robot
-            .joints()
-            .iter()
-            .map(|joint| JointLine {
-                name: joint.name.clone(),
-                effort_unit: joint.kind.effort_unit().to_owned(),
-                rating: joint.limits.torque.is_finite().then_some(joint.limits.torque),
-            })
-            .collect();
+        let parameter = |(i, (name, expression)): (usize, (String, String))| {
+            let id = self.base.parameters[self.base.kept[i]];
+            let unit = id.kind.unit(self.robot.joints()[id.index].kind).to_owned();
+            ParameterLine { name, expression, unit, truth: truth[i], reference_unit: units[i] }
+        };
+        let expressions = self.base.names().into_iter().zip(self.base.expressions(&self.robot));
+        let parameters = expressions.enumerate().map(parameter).collect();
+        let joint = |joint: &Joint| JointLine {
+            name: joint.name.clone(),
+            effort_unit: joint.kind.effort_unit().to_owned(),
+            rating: joint.limits.torque.is_finite().then_some(joint.limits.torque),
+        };
+        let joints = self.robot.joints().iter().map(joint).collect();
         StudyResult {
             plan: self.plan.clone(),
             provenance,

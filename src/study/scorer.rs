@@ -49,7 +49,7 @@ const NOTHING: f64 = 1e-24;
 pub struct Score {
     /// Torque prediction RMSE over all joints and samples of the random motions, N·m.
     pub prediction_rmse_nm: f64,
-    /// The same with every joint's torque divided by its rating, so that the wrist counts as much as the shoulder.
+    /// RMS error of the predicted torque with every joint's torque divided by its rating, so that the wrist counts as much as the shoulder.
     pub prediction_rmse_of_rating: f64,
     /// Torque prediction RMSE of each joint, N·m.
     pub joint_rmse_nm: Vec<f64>,

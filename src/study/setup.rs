@@ -33,8 +33,8 @@ use super::variance_reduction::VarianceReduction;
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::estimation::{
-    ClosedLoop, ClosedLoopError, ClosedLoopFactory, Estimate, EstimationProblem, Estimator, Factorisation, Observation,
-    closed_loop_of, observe,
+    ClosedLoop, ClosedLoopError, ClosedLoopFactory, Estimate, EstimationError, EstimationProblem, Estimator,
+    Factorisation, Observation, closed_loop_of, observe,
 };
 use crate::experiment::{Arm, Ending, ExperimentPlan, record};
 use crate::model::{Robot, StandardParameters};
@@ -77,7 +77,7 @@ impl StudySetup {
         Self::with_methods(plan, robot, nominal, truth, OwnMethods::default())
     }
 
-    /// The same with methods from outside, which the plan may name.
+    /// Prepares a study with methods from outside, which the plan may name.
     ///
     /// # Errors
     /// As [`StudySetup::new`].
@@ -214,7 +214,7 @@ impl StudySetup {
         self.bound_with_weight(exact, self.raw_samples() / exact.len() as f64)
     }
 
-    /// The same where each state stands for `weight` raw samples of one period.
+    /// Cramér–Rao standard deviations if each state stands for `weight` raw samples of one period.
     pub(super) fn bound_with_weight(&self, exact: &States, weight: f64) -> Vec<f64> {
         let periods = self.plan.experiment.periods;
         cramer_rao_std(&self.regressor, &self.base, exact, &self.noise, weight, periods)
@@ -273,7 +273,7 @@ impl StudySetup {
         self.scored(&Processed { samples: samples.clone(), closed_loop }, truth, None, &Unobserved)
     }
 
-    /// The same, scored by what that arm measured afterwards too.
+    /// Every estimator on the same samples, scored by what that arm measured afterwards too.
     pub(super) fn scored(
         &self,
         processed: &Processed,
@@ -281,26 +281,25 @@ impl StudySetup {
         measured: Option<&MeasuredMotions>,
         observer: &dyn Observer,
     ) -> Vec<ScoredEstimate> {
-        self.unscored(processed, observer)
-            .into_iter()
-            .zip(&self.estimators)
-            .map(|(made, estimator)| match made {
-                Ok(estimate) => ScoredEstimate::new(&estimate, self.scorer.score(&estimate.beta(), truth, measured)),
-                Err(failure) => ScoredEstimate::failed(estimator.name(), failure),
-            })
-            .collect()
+        let scored = |(made, estimator): (Result<Estimate, RunError>, &Arc<dyn Estimator>)| match made {
+            Ok(estimate) => ScoredEstimate::new(&estimate, self.scorer.score(&estimate.beta(), truth, measured)),
+            Err(failure) => ScoredEstimate::failed(estimator.name(), failure),
+        };
+        self.unscored(processed, observer).into_iter().zip(&self.estimators).map(scored).collect()
     }
 
     /// Every estimator of the plan on the same samples, or the reason why it gave nothing.
     pub(super) fn unscored(&self, processed: &Processed, observer: &dyn Observer) -> Vec<Result<Estimate, RunError>> {
         let samples = &processed.samples;
+        let all_failed =
+            |fault: EstimationError| self.estimators.iter().map(|_| Err(RunError::estimator(&fault))).collect();
         let observation = match observe(&self.robot, &self.regressor, &self.base, samples) {
             Ok(observation) => observation,
-            Err(fault) => return self.estimators.iter().map(|_| Err(RunError::estimator(&fault))).collect(),
+            Err(fault) => return all_failed(fault),
         };
         let equations = match Factorisation::new(&observation) {
             Ok(equations) => equations,
-            Err(fault) => return self.estimators.iter().map(|_| Err(RunError::estimator(&fault))).collect(),
+            Err(fault) => return all_failed(fault),
         };
         let problem = EstimationProblem::new(&observation)
             .with_factorisation(&equations)
@@ -343,17 +342,11 @@ impl StudySetup {
     ) -> Result<Findings, StudyError> {
         let families: Vec<String> = self.plan.designs.iter().map(|family| family.name.clone()).collect();
         let values: Vec<Vec<(&str, f64)>> = designs.iter().map(StudyDesign::values).collect();
-        let rows: Vec<DesignRow<'_>> = designs
-            .iter()
-            .zip(bounds)
-            .zip(&values)
-            .map(|((design, bound_std), values)| DesignRow {
-                family: design.family,
-                start: self.shared_start(design.family, design.start),
-                bound_std,
-                values,
-            })
-            .collect();
+        let mut rows = Vec::new();
+        for ((design, bound_std), values) in designs.iter().zip(bounds).zip(&values) {
+            let start = self.shared_start(design.family, design.start);
+            rows.push(DesignRow { family: design.family, start, bound_std, values });
+        }
         Evidence {
             families: &families,
             designs: &rows,

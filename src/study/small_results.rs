@@ -81,14 +81,7 @@ pub(super) fn scenario(name: &str, families: Vec<FamilyScore>, comparisons: Vec<
     ConditionResult {
         condition: Condition { name: name.to_owned(), engine: "analytic".to_owned(), effects: Effects::none() },
         statuses: Vec::new(),
-        findings: Findings {
-            families,
-            comparisons,
-            estimator_comparisons: Vec::new(),
-            over_truths: Vec::new(),
-            design_prediction: Vec::new(),
-            criterion_correlations: Vec::new(),
-        },
+        findings: Findings { families, comparisons, ..Findings::default() },
     }
 }
 

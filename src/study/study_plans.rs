@@ -27,7 +27,7 @@ impl StudyPlans {
         Self::from_toml_with(text, &OwnMethods::default())
     }
 
-    /// The same where the text may also name methods from outside.
+    /// Reads the plans of a text that may also name methods from outside.
     ///
     /// # Errors
     /// As [`StudyPlans::from_toml`].
@@ -64,7 +64,7 @@ impl StudyPlans {
         }
     }
 
-    /// The same, to be changed.
+    /// The plans, to be changed.
     pub fn plans_mut(&mut self) -> &mut [StudyPlan] {
         match self {
             Self::One(plan) => std::slice::from_mut(&mut **plan),

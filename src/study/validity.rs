@@ -62,12 +62,8 @@ pub fn feasible_ranges(robot: &Robot, base: &BaseReduction, max_mass: f64) -> Ve
 fn shapes_of(robot: &Robot, link: usize) -> Vec<Capsule> {
     let poses = robot.poses(&vec![0.0; robot.dof()]);
     for owner in (0..=link).rev() {
-        let own: Vec<Capsule> = robot
-            .shapes()
-            .iter()
-            .filter(|shape| shape.link == owner + 1)
-            .map(|shape| shape.solid.enclosing_capsule())
-            .collect();
+        let own = robot.shapes().iter().filter(|shape| shape.link == owner + 1);
+        let own: Vec<Capsule> = own.map(|shape| shape.solid.enclosing_capsule()).collect();
         if !own.is_empty() {
             let from_owner = poses[link].inverse().compose(&poses[owner]);
             return own

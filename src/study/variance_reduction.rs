@@ -13,7 +13,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum VarianceReduction {
-    /// The same noise in run r of start k of every family.
+    /// One noise in run r of start k of every family.
     CommonNoise,
     /// Opposite noise in the two runs of a pair.
     AntitheticNoise,

@@ -18,15 +18,19 @@ DAMPING, FRICTION = [1.2, 0.8, 0.4], [0.9, 0.7, 0.3]
 GUESSED, TRUE = [4.0, 3.0, 1.5], [4.0, 3.6, 1.9]
 
 
+# What the encoders lack, rad, an arm without the friction that jumps, which is not simulated, and the logs of the test of coverage.
+ZERO, SMOOTH, SEEDS = (0.0, 0.04, 0.0), [0.0, 0.0, 0.0], 4
+
+
 # A ball on the last body: mass, kg, and place, m.
 LOAD, PLACE, INERTIA = 1.5, 0.3, 5e-4
 
 
-def arm(masses, load=""):
+def arm(masses, load="", friction=FRICTION):
     """Three joints with position actuators."""
     def body(name, place, axis, length, mass, k, inner=""):
         return f'''<body name="{name}" pos="{place}"><joint name="j{k + 1}" axis="{axis}" range="-2.6 2.6" armature="0.05"
-damping="{DAMPING[k]}" frictionloss="{FRICTION[k]}"/><inertial pos="{length / 2} 0.01 0.02" mass="{mass}"
+damping="{DAMPING[k]}" frictionloss="{friction[k]}"/><inertial pos="{length / 2} 0.01 0.02" mass="{mass}"
 diaginertia="{0.002 * mass} {0.02 * mass} {0.02 * mass}"/>{inner}</body>'''
 
     third = body("fore", "0.4 0 0", "0 1 0", 0.3, masses[2], 2, load)
@@ -38,18 +42,21 @@ diaginertia="{0.002 * mass} {0.02 * mass} {0.02 * mass}"/>{inner}</body>'''
 <worldbody>{first}</worldbody><actuator>{motors}</actuator><sensor>{sensors}</sensor></mujoco>'''
 
 
-def log(seed, file, load=""):
-    """A table of commands, positions as encoders count them, and the forces of MuJoCo's actuators; a command acts `DELAY` steps later."""
+def log(seed, file, load="", seconds=SECONDS, zero=(0.0, 0.0, 0.0), friction=FRICTION):
+    """A table of commands, positions as encoders count them, and the forces of MuJoCo's actuators; a command acts `DELAY` steps later.
+
+    Encoders, and with them commands, lack `zero`, rad.
+    """
     rng = np.random.default_rng(seed)
-    model = mujoco.MjModel.from_xml_string(arm(TRUE, load))
-    t = np.arange(round(SECONDS / STEP)) * STEP
+    model = mujoco.MjModel.from_xml_string(arm(TRUE, load, friction))
+    t = np.arange(round(seconds / STEP)) * STEP
     w, phase = 2 * np.pi * rng.uniform(0.1, 1.0, (3, 5, 1)), rng.uniform(0, 2 * np.pi, (3, 5, 1))
     command = (0.25 * np.sin(w * t + phase)).sum(1).T + [0.0, 0.3, 0.5]
     start = np.concatenate([[0.0], command[0], np.zeros(3)])
     control = np.vstack([np.repeat(command[:1], DELAY, axis=0), command[:-DELAY]])
     states, force = (found[0] for found in rollout.rollout(model, mujoco.MjData(model), start, control))
     q = np.vstack([start, states[:-1]])[:, 1:4]
-    rows = np.column_stack([t, np.round(q / COUNT) * COUNT, np.degrees(command), force])
+    rows = np.column_stack([t, np.round((q - zero) / COUNT) * COUNT, np.degrees(command - zero), force])
     names = [f"{name}{k + 1}" for name in ["q", "goal", "tau"] for k in range(3)]
     np.savetxt(file, rows, delimiter=",", header=",".join(["t", *names]), comments="", fmt="%.10g")
 
@@ -125,6 +132,49 @@ class Commands(unittest.TestCase):
         done = armid("identify", "--drive-gains", *sides, *load, "--map", mapping.replace("kd=0", "kd=1"))
         self.assertEqual(done.returncode, 2)
         self.assertIn("states kd, expected kd=0", done.stderr)
+
+    def by_cloe(self, file, servo, *words):
+        known = ["--robot", self.folder / "arm.xml", "--columns", "rigid+rotor+viscous"]
+        return armid("identify", self.folder / file, "--map", f"t=t, q=q[1-3], q_cmd=goal[1-3] deg {servo}", *known, *words)
+
+    def test_what_is_unknown_of_the_servos_is_estimated_with_the_arm(self):
+        unknown = {"kp2": KP[1], "delay": (DELAY + 0.5) * STEP, "zero2": ZERO[1]}
+        servo = f"kp={KP[0]}/{0.8 * KP[1]}/{KP[2]} kd={'/'.join(map(str, KD))} unknown={'/'.join(unknown)}"
+        held, count = 0, 0
+        for seed in range(SEEDS):
+            log(10 + seed, self.folder / "unknown.csv", seconds=10.0, zero=ZERO, friction=SMOOTH)
+            done = self.by_cloe("unknown.csv", servo, "--estimator", "cloe", "--json", "-o", self.folder / "U.json")
+            self.assertEqual(done.returncode, 0, done.stderr[:800] + done.stdout[:800])
+            answer = json.loads(done.stdout)
+            self.assertEqual([one["name"] for one in answer["servo"]], list(unknown))
+            for one in answer["servo"]:
+                known = unknown[one["name"]]
+                self.assertLess(abs(one["value"] - known), 5 * one["std"], one)
+                self.assertLess(one["std"], 0.2 * known, one)
+                held += one["ci95"][0] <= known <= one["ci95"][1]
+                count += 1
+        # By a binomial distribution, fewer have a chance below one in a thousand.
+        self.assertGreaterEqual(held, count - 4, f"{held} of {count} intervals hold what MuJoCo has")
+        # Another log, whose torque is that of the servos that were found.
+        log(30, self.folder / "fresh.csv", seconds=10.0, zero=ZERO, friction=SMOOTH)
+        done = armid("validate", self.folder / "U.json", self.folder / "fresh.csv", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr[:800] + done.stdout[:800])
+        self.assertEqual(json.loads(done.stdout)["verdict"], "passed")
+
+    def test_what_the_motion_does_not_show_of_the_servos_is_refused_with_the_reason(self):
+        gains = f"kp={'/'.join(map(str, KP))} kd={'/'.join(map(str, KD))}"
+        for unknown, reason in [
+            ("kp1/kp2/kp3", "expected a stated kp of one joint, or a known payload"),
+            ("kd2", "does not show kd2 of the servo: it moves the arm as Fv2 can"),
+            ("zero3", "does not show zero3 of the servo"),
+            ("zero1", "does not show zero1 of the servo"),
+        ]:
+            done = self.by_cloe("log.csv", f"{gains} unknown={unknown}", "--estimator", "cloe")
+            self.assertEqual(done.returncode, 2, done.stderr[:400])
+            self.assertIn(reason, done.stderr)
+        done = self.by_cloe("log.csv", f"{gains} unknown=delay")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("delay of the servo is unknown, expected it to be known for the estimator wls", done.stderr)
 
     def test_a_mapping_of_commands_needs_the_gains(self):
         done = armid("identify", self.folder / "log.csv", "--robot", self.folder / "arm.xml", "--map", "t=t, q=q[1-3], q_cmd=goal[1-3] deg")

@@ -1,7 +1,7 @@
 //! Which torque constants do the drives have, or which stiffness the servos, by a known load?
 
 use armid::estimation::{
-    DriveGain, DriveGains, Estimate, EstimationError, EstimationProblem, EstimatorKind, GainMethod,
+    BaseEstimate, DriveGain, DriveGains, Estimate, EstimationError, EstimationProblem, EstimatorKind, GainMethod,
     drive_gains as drive_gains_of, moved_by_gains,
 };
 use armid::model::{Columns, Robot};
@@ -150,47 +150,32 @@ impl Serialize for DriveGainsAnswer {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let taken = self.taken();
         let [key, stated] = self.scale.answer_keys();
-        let joints: Vec<Value> = (0..self.robot.dof())
-            .map(|joint| {
-                let by: Map<String, Value> = self
-                    .found
-                    .iter()
-                    .map(|found| {
-                        let gain = &found.gains[joint];
-                        let shown = json!({ "ratio": gain, key: self.constant(joint, gain) });
-                        (found.method.name().to_owned(), shown)
-                    })
-                    .collect();
-                json!({ "joint": self.joint(joint), stated: self.constants[joint], "by": by })
+        let by = |joint: usize| -> Map<String, Value> {
+            let of = |found: &DriveGains| {
+                let gain = &found.gains[joint];
+                (found.method.name().to_owned(), json!({ "ratio": gain, key: self.constant(joint, gain) }))
+            };
+            self.found.iter().map(of).collect()
+        };
+        let joint =
+            |joint: usize| json!({ "joint": self.joint(joint), stated: self.constants[joint], "by": by(joint) });
+        let parameter = |(row, parameter): (usize, &BaseEstimate)| {
+            json!({
+                "name": parameter.name,
+                "unit": parameter.unit,
+                "by_stated_constants": parameter.value,
+                "std": parameter.std,
+                "by_found_constants": taken.beta[row],
+                "moved_per_unit_of_gain": self.moved[row],
             })
-            .collect();
-        let base: Vec<Value> = self
-            .stated
-            .base
-            .iter()
-            .enumerate()
-            .map(|(row, parameter)| {
-                json!({
-                    "name": parameter.name,
-                    "unit": parameter.unit,
-                    "by_stated_constants": parameter.value,
-                    "std": parameter.std,
-                    "by_found_constants": taken.beta[row],
-                    "moved_per_unit_of_gain": self.moved[row],
-                })
+        };
+        let method = |found: &DriveGains| {
+            json!({
+                "method": found.method,
+                "degrees_of_freedom": found.degrees_of_freedom,
+                "termination": found.termination,
             })
-            .collect();
-        let methods: Vec<Value> = self
-            .found
-            .iter()
-            .map(|found| {
-                json!({
-                    "method": found.method,
-                    "degrees_of_freedom": found.degrees_of_freedom,
-                    "termination": found.termination,
-                })
-            })
-            .collect();
+        };
         let names = |which: Vec<usize>| which.into_iter().map(|joint| self.joint(joint).to_owned()).collect::<Vec<_>>();
         json!({
             "robot": self.robot.name(),
@@ -198,11 +183,11 @@ impl Serialize for DriveGainsAnswer {
             "with": self.with.0,
             "load": { "mass_kg": self.load.mass, "parameters": self.load.to_array() },
             "taken": taken.method,
-            "methods": methods,
-            "joints": joints,
+            "methods": self.found.iter().map(method).collect::<Value>(),
+            "joints": (0..self.robot.dof()).map(joint).collect::<Value>(),
             "wrong": names(taken.wrong()),
             "not_shown": names(taken.hidden()),
-            "base": base,
+            "base": self.stated.base.iter().enumerate().map(parameter).collect::<Value>(),
             "corrected": self.corrected(),
             "inputs": { "without": self.without.1, "with": self.with.1 },
         })

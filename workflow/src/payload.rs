@@ -1,8 +1,8 @@
 //! What does the last link carry?
 
 use armid::base::{Method, reduce};
-use armid::estimation::{Estimate, EstimatorKind, Payload, Termination, payload as payload_of};
-use armid::model::{Columns, Robot};
+use armid::estimation::{BaseEstimate, Estimate, EstimatorKind, Payload, Termination, payload as payload_of};
+use armid::model::{Columns, ParameterId, Robot};
 use armid::observer::Observer;
 use armid::remedy::{Remedy, Task};
 use armid::seed::Seed;
@@ -123,29 +123,20 @@ impl Serialize for PayloadAnswer {
         let found = &self.found;
         let body = found.body.inertia;
         let centre = body.first_moment / body.mass;
-        let combinations: Vec<Value> = found
-            .combinations
-            .base
-            .iter()
-            .enumerate()
-            .map(|(row, parameter)| {
-                let mut value = json!(parameter);
-                let terms = found.base.terms(row);
-                value["terms"] = terms
-                    .iter()
-                    .map(|(id, coefficient)| json!({ "parameter": id.kind.symbol(), "coefficient": coefficient }))
-                    .collect();
-                value["name"] = json!(terms[0].0.kind.symbol());
-                value
-            })
-            .collect();
+        let term = |(id, coefficient): &(ParameterId, f64)| json!({ "parameter": id.kind.symbol(), "coefficient": coefficient });
+        let combination = |(row, parameter): (usize, &BaseEstimate)| {
+            let (mut value, terms) = (json!(parameter), found.base.terms(row));
+            value["terms"] = terms.iter().map(term).collect();
+            value["name"] = json!(terms[0].0.kind.symbol());
+            value
+        };
         json!({
             "robot": self.robot.name(),
             "link": self.link(),
             "without": self.without.name,
             "with": self.with.name,
             "parameters": found.parameters,
-            "combinations": combinations,
+            "combinations": found.combinations.base.iter().enumerate().map(combination).collect::<Value>(),
             "covariance": found.combinations.covariance,
             "negative_mass": found.negative_mass,
             "body": {

@@ -107,10 +107,11 @@ pub fn validate(
     let steps = Counter::new(observer, Work::Steps, 2 * estimates.len());
     let verdict = |estimate: &Estimate| {
         steps.begin(name)?;
+        let log = log.by_servo_of(estimate, name)?;
         let validation = log.validate(estimate, name)?;
         steps.begin(name)?;
         let found = (validation, log.residual(estimate, name)?.0);
-        let verdict = ValidationVerdict::new(&estimate.estimator, log, found, limit);
+        let verdict = ValidationVerdict::new(&estimate.estimator, &log, found, limit);
         Ok::<_, Error>(ValidationVerdict { remarks: remarks.clone(), ..verdict })
     };
     Ok(ValidationAnswer { verdicts: estimates.iter().map(verdict).collect::<Result<_, _>>()? })

@@ -17,7 +17,7 @@ use armid_io::{ErrorKind, Inputs, LoadedRobot, Log, LogSettings, ProcessedLog, r
 use armid_workflow::design::{DesignGoal, DesignSettings, design};
 use armid_workflow::export::{Exchange, ExportSettings, export};
 use armid_workflow::identification::{IdentifySettings, identify};
-use armid_workflow::report::write_estimate_report;
+use armid_workflow::report::{Sheet, write_estimate_report};
 use armid_workflow::{PayloadSide, SimulationSettings, simulate, validate};
 
 /// Ends the work at so many reports, and keeps all of them.
@@ -166,7 +166,9 @@ fn identity_what_has_no_iterate_to_return_ends_with_an_error() {
     let estimates = (std::slice::from_ref(estimate.0), estimate.1);
     has_no_result("a validation", 2, |observer| validate(estimates, &log, [None; 2], 0.1, observer));
     let folder = tempfile::tempdir().unwrap();
-    let page = |observer: &dyn Observer| write_estimate_report(folder.path(), estimate, &log, &inputs, observer);
+    let page = |observer: &dyn Observer| {
+        write_estimate_report(folder.path(), estimate, &log, &inputs, Sheet::Screen, observer)
+    };
     has_no_result("a page", 4, page);
     // The onset of friction is looked for in logs without periods.
     let foreign = foreign(&log);

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use armid::estimation::TorqueResidual;
+use armid::estimation::{Estimate, TorqueResidual};
 use armid_io::ProcessedLog;
 use armid_workflow::identification::Identified;
 use armid_workflow::numbers::{number, percent};
@@ -50,11 +50,8 @@ pub(crate) fn residual_table(
 pub(crate) fn left_out(prepared: &ProcessedLog) -> String {
     let mut text = String::new();
     for report in &prepared.reports {
-        let shares: Vec<String> = report
-            .equations
-            .iter()
-            .map(|count| format!("{:.0} %", 100.0 * (1.0 - *count as f64 / report.blocks.max(1) as f64)))
-            .collect();
+        let share = |count: &usize| format!("{:.0} %", 100.0 * (1.0 - *count as f64 / report.blocks.max(1) as f64));
+        let shares: Vec<String> = report.equations.iter().map(share).collect();
         let slow = 100.0 * prepared.settings.processing.reversal_fraction;
         if report.equations.iter().any(|count| *count < report.blocks) {
             let sentence = format!(
@@ -111,6 +108,7 @@ pub(crate) fn estimate_text(prepared: &ProcessedLog, of: &Identified, verbose: b
     text += &left_out(prepared);
     text.push('\n');
     text += &parameters(of, verbose);
+    text += &servo(estimate);
     match estimate.consistent {
         Some(true) => text.push_str("\nthe full set of parameters is physically consistent\n"),
         Some(false) => text.push_str("\nthe full set of parameters is not physically consistent\n"),
@@ -155,6 +153,21 @@ fn parameters(Identified { estimate, expressions, .. }: &Identified, verbose: bo
         table.row(row);
     }
     table.render(2)
+}
+
+/// What was found of position servos; nothing where nothing was unknown.
+fn servo(estimate: &Estimate) -> String {
+    if estimate.servo.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::of("servo | #guess | #value | #std | #95 % interval | # | unit");
+    for part in &estimate.servo {
+        let decimals = decimals(part.std);
+        let shown = |number: f64| format!("{number:.decimals$}");
+        let [value, std, low, high] = [part.value, part.std, part.ci95[0], part.ci95[1]].map(shown);
+        table.row([part.name.clone(), number(part.stated), value, std, low, high, part.unit.clone()]);
+    }
+    format!("\n{}", table.render(2))
 }
 
 /// Decimals that show two digits of a standard deviation.

@@ -25,7 +25,7 @@ pub(crate) fn answer(summary: &RobotsSummary, page: &Path) -> Result<Answer, Err
         table.render(0),
         page.display()
     );
-    let mut json = serde_json::to_value(summary).map_err(|error| Error::new(error.to_string()))?;
+    let mut json = serde_json::to_value(summary).map_err(Error::of)?;
     json["report"] = page.display().to_string().into();
     Ok(Answer { text, json })
 }

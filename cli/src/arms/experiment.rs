@@ -47,26 +47,21 @@ impl Experiment {
             None => ArmKind::Simulated(Engine::Analytic),
             Some(name) => arm(name, text)?,
         };
-        let checked =
-            |error: &dyn std::fmt::Display, span| Error::new(error.to_string()).at(text, span, "in this table");
-        let ros2 = file.ros2.map_or_else(
-            || Ok(LinkSettings::default()),
-            |table| {
-                let span = table.span();
-                let settings = table.into_inner();
-                settings.check().map_err(|error| checked(&error, span)).map(|()| settings)
-            },
-        )?;
-        let guard = file.guard.map_or_else(
-            || Ok(GuardSettings::default()),
-            |table| {
-                let span = table.span();
-                let settings = table.into_inner();
-                settings.check().map_err(|error| checked(&error, span)).map(|()| settings)
-            },
-        )?;
+        let ros2 = checked(text, file.ros2, LinkSettings::check)?;
+        let guard = checked(text, file.guard, GuardSettings::check)?;
         Ok(Self { planned, arm, ros2, guard, guarded: false, confirmation: None })
     }
+}
+
+/// A table of settings, or the default where there is none.
+fn checked<T: Default, E: std::fmt::Display>(
+    text: &Text,
+    table: Option<Spanned<T>>,
+    check: impl Fn(&T) -> Result<(), E>,
+) -> Result<T, Error> {
+    let Some(table) = table else { return Ok(T::default()) };
+    check(table.get_ref()).map_err(|fault| Error::of(fault).at(text, table.span(), "in this table"))?;
+    Ok(table.into_inner())
 }
 
 fn arm(name: &Spanned<String>, text: &Text) -> Result<ArmKind, Error> {

@@ -126,7 +126,7 @@ impl Part {
         (rest.planned.plan, rest.planned.run) = (plan, self.run);
         let mut performed = perform(rest.arm, &rest, recording, &mut self.continuation.join(sink))?;
         if let Some(stamps) = &mut performed.stamps {
-            let layout = rest.planned.plan.layout().map_err(|error| Error::new(error.to_string()))?;
+            let layout = rest.planned.plan.layout().map_err(Error::of)?;
             let kept = self.continuation.periods();
             let new = stamps.missing.iter().filter(|&&k| kept == 0 || layout.phase(k) >= Phase::Record);
             let new = new.map(|k| k + kept * layout.period_samples);

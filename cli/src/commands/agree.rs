@@ -47,7 +47,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     // A library that somebody names has to be in the comparison.
     if let Some(fault) = MujocoStatus::named_but_unusable() {
-        return Err(Error::new(fault.to_string()).into());
+        return Err(Error::of(fault).into());
     }
     let loaded = arguments.robot.load()?;
     let folder = console.output().map_or_else(
@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let seed = Seed::new(arguments.seed);
     let motion = motion(arguments, &loaded, &nominal, seed)?;
     let plan = ExperimentPlan::new(motion).with_periods(1);
-    plan.check(loaded.robot.dof()).map_err(|fault| Error::new(fault.to_string()))?;
+    plan.check(loaded.robot.dof()).map_err(Error::of)?;
     let case = Case { robot: &loaded.robot, nominal: &nominal, truth: &truth, plan: &plan, seed };
     let agreement = agree(&case, &Engine::ALL);
     if let (true, Some(first)) = (agreement.engines.is_empty(), agreement.absent.first().or(agreement.failed.first())) {
@@ -90,7 +90,7 @@ fn motion(
         Some(name) => Ok(trajectory::load(name, None, &loaded.robot)?),
         None => safe_motion(&loaded.robot, nominal, seed)
             .map(PeriodicTrajectory::from)
-            .map_err(|fault| Error::new(fault.to_string()).into()),
+            .map_err(|fault| Error::of(fault).into()),
     }
 }
 
@@ -166,21 +166,14 @@ fn figure(agreement: &Agreement, loaded: &LoadedRobot) -> ScatterFigure {
     let revolute = loaded.robot.joints().iter().all(|joint| joint.kind == JointKind::Revolute);
     let unit = if revolute { "rad" } else { "rad or m" };
     let names = agreement.engines.iter().map(|own| own.engine.name());
-    let groups: Vec<ScatterGroup> = Group::assign(names)
-        .into_iter()
-        .zip(&agreement.engines)
-        .map(|(group, own)| ScatterGroup {
-            label: own.order.map_or(group.label.clone(), |order| format!("{}, order {order:.2}", group.label)),
-            style: group.style,
-            // An error of zero cannot stand on a logarithmic axis.
-            points: own
-                .errors
-                .iter()
-                .filter(|point| point.error > 0.0)
-                .map(|point| ScatterPoint::new(point.step_s, point.error))
-                .collect(),
-        })
-        .collect();
+    let group = |(group, own): (Group, &EngineAgreement)| {
+        let label = own.order.map_or(group.label.clone(), |order| format!("{}, order {order:.2}", group.label));
+        // An error of zero cannot stand on a logarithmic axis.
+        let points = own.errors.iter().filter(|point| point.error > 0.0);
+        let points = points.map(|point| ScatterPoint::new(point.step_s, point.error)).collect();
+        ScatterGroup { label, style: group.style, points }
+    };
+    let groups: Vec<ScatterGroup> = Group::assign(names).into_iter().zip(&agreement.engines).map(group).collect();
     let lines = agreement.engines.iter().filter_map(|own| {
         let (order, first) = (own.order?.round(), own.errors.first()?);
         let floor = agreement.reference_error.max(f64::EPSILON);

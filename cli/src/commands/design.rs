@@ -85,13 +85,13 @@ pub(crate) struct Arguments {
     /// Estimates of earlier experiments, whose information is added
     #[arg(long, value_name = "E.json", num_args = 1.., conflicts_with = "weighted")]
     prior: Vec<PathBuf>,
-    /// Effects that model-error expects [default: load-friction,elasticity, realistic]
+    /// Effects that model-error or measured-torque expects [default: usual ones]
     #[arg(long, value_name = "EFFECT[=MAGNITUDE]", value_delimiter = ',', value_parser = expected_effect)]
     expect: Vec<(EffectKind, f64)>,
-    /// Motions to predict, for i-optimal and model-error [default: random ones]
+    /// Motions to predict, for i-optimal, measured-torque and model-error [default: random]
     #[arg(long, value_name = "T.toml", num_args = 1..)]
     predict: Vec<String>,
-    /// Recorded periods that model-error assumes
+    /// Recorded periods that model-error and measured-torque assume
     #[arg(long, value_name = "N", default_value_t = 10)]
     periods: usize,
     /// Skip the baseline: as many random trajectories as a start may evaluate
@@ -176,13 +176,13 @@ impl Arguments {
 
     /// Options that only some criteria have a use for.
     fn check_use(&self, kind: CriterionKind) -> Result<(), Error> {
-        let is_model_error = kind == CriterionKind::ModelError;
+        let expects_effects = kind.criterion().expects_effects();
         for (is_refused, option, expected) in [
-            (!self.expect.is_empty() && !is_model_error, "--expect", "model-error"),
+            (!self.expect.is_empty() && !expects_effects, "--expect", "model-error or measured-torque"),
             (
                 !self.predict.is_empty() && !kind.criterion().asks_for_prediction(),
                 "--predict",
-                "i-optimal or model-error",
+                "i-optimal, model-error or measured-torque",
             ),
         ] {
             if is_refused {

@@ -84,13 +84,8 @@ fn text(ReductionAnswer { robot, columns, base, expressions, trajectory, finding
         if category == Category::Representative || base.count(category) == 0 {
             continue;
         }
-        let names: Vec<String> = base
-            .parameters
-            .iter()
-            .zip(&base.categories)
-            .filter(|(_, found)| **found == category)
-            .map(|(id, _)| id.to_string())
-            .collect();
+        let of_category = base.parameters.iter().zip(&base.categories).filter(|(_, found)| **found == category);
+        let names: Vec<String> = of_category.map(|(id, _)| id.to_string()).collect();
         let mut list = Table::new(&[(category.name(), Align::Left)]);
         list.row([names.join(" ")]);
         let _ = write!(text, "\n{}", list.render(2));

@@ -2,14 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use armid::study::CriterionRatios;
-use armid_io::study::{read_ratios, read_robots, read_study};
+use armid::study::{CriterionRatios, EffectLevels, StudyResult};
+use armid_io::study::{read_figure_numbers, read_robots, read_study};
 use armid_io::{Error, Text, estimate};
 use armid_workflow::LogSource;
 use armid_workflow::report::{
-    ComparisonAnswer, write_comparison, write_criteria, write_estimate_report, write_report, write_robots_report,
+    ComparisonAnswer, Sheet, write_comparison, write_criteria, write_estimate_report, write_levels, write_report,
+    write_robots_report,
 };
 use miette::Result;
+use serde::de::DeserializeOwned;
 use serde_json::json;
 
 use crate::arguments::ChainArguments;
@@ -24,10 +26,12 @@ Examples:
   armid report reports/01-criteria
   armid report reports/01-criteria -o /tmp/page
   armid report E.json -o page
+  armid report E.json --paper column -o page
   armid report E.json --robot lab/robot.toml -o page
   armid report --compare simulated measured -o page
   armid report reports/06-ten-times reports/06-two-robots/puma-560 --figure criteria -o figure
-  armid report reports/gallery/readme/criteria.json --figure criteria -o figure";
+  armid report reports/gallery/readme/criteria.json --figure criteria -o figure
+  armid report reports/06-levels --figure levels -o figure";
 
 /// Draw the page of an estimate, or regenerate the report of a stored study
 #[derive(Debug, clap::Args)]
@@ -42,40 +46,58 @@ pub(crate) struct Arguments {
     /// Robot of the estimates, if its file was moved
     #[arg(long, conflicts_with = "compare")]
     robot: Option<String>,
-    /// Draw one figure of several studies, a panel for each
+    /// Draw one figure of one or several studies
     #[arg(long, conflicts_with_all = ["compare", "robot"])]
     figure: Option<Figure>,
+    /// Draw figures for a journal, as SVG and PDF
+    #[arg(long, conflicts_with = "figure", value_name = "WIDTH")]
+    paper: Option<Paper>,
     #[command(flatten)]
     chain: ChainArguments,
 }
 
-/// A figure over several studies.
+/// A figure of one or several studies.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum Figure {
     /// Condition number and I-optimality relative to D-optimality, by unmodelled effect
     Criteria,
+    /// Error relative to D-optimality over the size of each unmodelled effect
+    Levels,
+}
+
+/// What a journal has room for; labels are 8 pt high.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Paper {
+    /// 88 mm
+    Column,
+    /// 181 mm
+    Page,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    let sheet = match arguments.paper {
+        None => Sheet::Screen,
+        Some(Paper::Column) => Sheet::Column,
+        Some(Paper::Page) => Sheet::Page,
+    };
     if let Some([first, second]) = arguments.compare.as_deref() {
         let folder = console.output().map_or_else(|| PathBuf::from("reports/comparison"), Path::to_path_buf);
-        let answer = write_comparison(&folder, first, second)?;
+        let answer = write_comparison(&folder, first, second, sheet)?;
         let json = serde_json::to_value(&answer).map_err(Error::of)?;
         console.show(&Answer { text: comparison_text(&answer), json })?;
         return Ok(Ending::Done);
     }
-    if let Some(Figure::Criteria) = arguments.figure {
-        let mut robots = Vec::new();
-        for path in &arguments.folders {
-            if path.is_dir() {
-                robots.push(CriterionRatios::of(&read_study(path)?.result));
-            } else {
-                robots.extend(read_ratios(path)?);
+    if let Some(figure) = arguments.figure {
+        let folder = console.output().unwrap_or(Path::new("reports/figure"));
+        let all = &arguments.folders;
+        let figures = match figure {
+            Figure::Criteria => {
+                vec![write_criteria(folder, &numbers(all, "criteria", |study| vec![CriterionRatios::of(study)])?)?]
             }
-        }
-        let figure = write_criteria(console.output().unwrap_or(Path::new("reports/figure")), &robots)?;
-        let figure = figure.display().to_string();
-        console.show(&Answer { text: format!("{figure}\n"), json: json!({ "figure": figure }) })?;
+            Figure::Levels => write_levels(folder, &numbers(all, "levels", EffectLevels::of)?)?,
+        };
+        let figures: Vec<String> = figures.iter().map(|figure| figure.display().to_string()).collect();
+        console.show(&Answer { text: figures.join("\n") + "\n", json: json!({ "figures": figures }) })?;
         return Ok(Ending::Done);
     }
     let mut pages = Vec::new();
@@ -93,7 +115,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             let estimate = estimate::parse(&text)?;
             let (robot, chain) = (arguments.robot.clone(), arguments.chain.ends());
             let (log, inputs) = LogSource { robot, chain, ..LogSource::default() }.again(&text, &[])?;
-            pages.push(write_estimate_report(&output, (&estimate, &text.name), &log, &inputs, &Watch::new(console))?);
+            let made = (&estimate, text.name.as_str());
+            pages.push(write_estimate_report(&output, made, &log, &inputs, sheet, &Watch::new(console))?);
             continue;
         }
         if !folder.is_dir() {
@@ -112,15 +135,28 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             None => folder.join("report"),
         };
         if let Some(summary) = read_robots(folder)? {
-            pages.push(write_robots_report(&output(&summary.name), &summary)?);
+            pages.push(write_robots_report(&output(&summary.name), &summary, sheet)?);
             continue;
         }
         let input = read_study(folder)?;
-        pages.push(write_report(&output(&input.result.plan.name), &input)?);
+        pages.push(write_report(&output(&input.result.plan.name), &input, sheet)?);
     }
     let lines: Vec<String> = pages.iter().map(|page: &PathBuf| page.display().to_string()).collect();
     console.show(&Answer { text: lines.join("\n") + "\n", json: json!({ "pages": lines }) })?;
     Ok(Ending::Done)
+}
+
+/// The numbers of a figure: of each study, or as a figure has left them in a file.
+fn numbers<T: DeserializeOwned>(
+    paths: &[PathBuf],
+    figure: &str,
+    of: impl Fn(&StudyResult) -> Vec<T>,
+) -> std::result::Result<Vec<T>, Error> {
+    let mut all = Vec::new();
+    for path in paths {
+        all.extend(if path.is_dir() { of(&read_study(path)?.result) } else { read_figure_numbers(path, figure)? });
+    }
+    Ok(all)
 }
 
 fn comparison_text(ComparisonAnswer { page, labels: [first, second], comparison }: &ComparisonAnswer) -> String {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use armid::model::format::{Geometry, parse_robot};
 use armid::model::term::Term;
-use armid::model::{Columns, DhConvention, EffortInterface, Joint, JointKind, Obstacle, Robot, Solid, bundled};
+use armid::model::{Columns, DhConvention, EffortInterface, Joint, JointKind, Obstacle, Robot, Shape, Solid, bundled};
 use armid::provenance::Provenance;
 use armid_io::{Error, LoadedRobot, output, robot};
 use miette::Result;
@@ -248,31 +248,23 @@ fn solid_json(solid: &Solid) -> Value {
 
 fn as_json(loaded: &LoadedRobot, provenance: &Provenance) -> Value {
     let robot = &loaded.robot;
-    let shapes: Vec<Value> = robot
-        .shapes()
-        .iter()
-        .map(|shape| {
-            let mut value = solid_json(&shape.solid);
-            value["link"] = json!(shape.link);
+    let shape = |shape: &Shape| {
+        let mut value = solid_json(&shape.solid);
+        value["link"] = json!(shape.link);
+        value
+    };
+    let obstacle = |obstacle: &Obstacle| match obstacle {
+        Obstacle::Floor { z } => json!({ "kind": "floor", "z_m": z }),
+        Obstacle::Plane { name, normal, offset } => {
+            json!({ "kind": "plane", "name": name, "normal": normal.as_slice(), "offset_m": offset })
+        }
+        Obstacle::Body { name, solid } => {
+            let mut value = solid_json(solid);
+            value["kind"] = json!("body");
+            value["name"] = json!(name);
             value
-        })
-        .collect();
-    let obstacles: Vec<Value> = robot
-        .obstacles()
-        .iter()
-        .map(|obstacle| match obstacle {
-            Obstacle::Floor { z } => json!({ "kind": "floor", "z_m": z }),
-            Obstacle::Plane { name, normal, offset } => {
-                json!({ "kind": "plane", "name": name, "normal": normal.as_slice(), "offset_m": offset })
-            }
-            Obstacle::Body { name, solid } => {
-                let mut value = solid_json(solid);
-                value["kind"] = json!("body");
-                value["name"] = json!(name);
-                value
-            }
-        })
-        .collect();
+        }
+    };
     let parameters = |set: &Option<armid::model::StandardParameters>| {
         set.as_ref().map(|set| {
             let ids = Columns::RIGID_ROTOR_FRICTION.parameters(robot);
@@ -287,14 +279,14 @@ fn as_json(loaded: &LoadedRobot, provenance: &Provenance) -> Value {
         "effort": robot.effort().name(),
         "joints": robot.joints().iter().map(joint_json).collect::<Vec<_>>(),
         "coupling": robot.coupling().map(|c| c.row_iter().map(|row| row.iter().copied().collect()).collect::<Vec<Vec<f64>>>()),
-        "shapes": shapes,
+        "shapes": robot.shapes().iter().map(shape).collect::<Value>(),
         "collision_shapes": loaded.collisions.iter().map(|shape| json!({
             "link": robot.link_name(shape.link),
             "body": shape.body,
             "kind": shape.geometry.as_ref().map_or("shape", Geometry::kind),
             "fault": shape.geometry.as_ref().err().map(ToString::to_string),
         })).collect::<Vec<_>>(),
-        "obstacles": obstacles,
+        "obstacles": robot.obstacles().iter().map(obstacle).collect::<Value>(),
         "servo": robot.servo(),
         "nominal": parameters(&loaded.nominal),
         "parameters": parameters(&loaded.own),

@@ -35,6 +35,7 @@ Units and scales, of all joints or a list with / between them:
   rated=2.1         rated torques of values in %
   kp=40 kd=1        gains of servos: torque is kp (q_cmd - q) - kd qd
   delay_ms=4        time after which a command acts
+  unknown=delay/kp2 numbers that --estimator cloe finds; kd1, zero1 too
 
 For ROS 2 joint states the names of joints replace the headings, without t.
 topic=/arm/joint_states chooses a topic.";

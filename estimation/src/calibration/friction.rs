@@ -103,15 +103,11 @@ pub fn friction(recording: &Recording, robot: &Robot, joint: usize) -> Result<Fr
     // Variance of a mean over one sample there and one back; means over `weight` samples and all periods have less.
     let variance = scatter / freedom;
     let std = |weight: f64| (variance / (weight * periods as f64)).sqrt();
-    let points: Vec<FrictionPoint> = pairs
-        .iter()
-        .zip(&means)
-        .map(|(pair, &(friction, gravity, weight))| FrictionPoint {
-            speed: pair.speed,
-            friction: Measured::new(friction, std(weight), freedom),
-            mean: gravity,
-        })
-        .collect();
+    let point = |(pair, &(friction, mean, weight)): (&Pair, &(f64, f64, f64))| {
+        let friction = Measured::new(friction, std(weight), freedom);
+        FrictionPoint { speed: pair.speed, friction, mean }
+    };
+    let points: Vec<FrictionPoint> = pairs.iter().zip(&means).map(point).collect();
     let weights: Vec<f64> = means.iter().map(|mean| mean.2).collect();
     let line = Line::through(&points, &weights)?;
     let noise = variance / periods as f64;

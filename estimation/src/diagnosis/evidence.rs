@@ -6,7 +6,7 @@ use super::mistake::Mistake;
 use crate::base::{BaseError, Method, reduce};
 use crate::linalg::transpose_product;
 use crate::model::term::{COULOMB, VISCOUS};
-use crate::model::{Columns, ParameterKind, Robot};
+use crate::model::{Columns, ParameterId, ParameterKind, Robot};
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::signal::Samples;
@@ -57,17 +57,13 @@ impl Model {
         let columns = columns.terms().filter(|term| term.entry().needs.is_motion()).fold(Columns::RIGID, Columns::with);
         let base = reduce(&robot, columns, Method::Structural, Seed::new(0))?;
         let regressor = JointTorqueRegressor::new(&robot, columns).map_err(BaseError::from)?;
-        let friction = base
-            .kept
-            .iter()
-            .enumerate()
-            .filter_map(|(at, &column)| match base.parameters[column].kind {
-                ParameterKind::Term(term) if term == COULOMB || term == VISCOUS => {
-                    Some((base.parameters[column].index, at, term == COULOMB))
-                }
-                _ => None,
-            })
-            .collect();
+        let friction = |(at, &column): (usize, &usize)| match base.parameters[column] {
+            ParameterId { kind: ParameterKind::Term(term), index } if term == COULOMB || term == VISCOUS => {
+                Some((index, at, term == COULOMB))
+            }
+            _ => None,
+        };
+        let friction = base.kept.iter().enumerate().filter_map(friction).collect();
         Ok(Self { robot, regressor, kept: base.kept, friction })
     }
 

@@ -75,11 +75,8 @@ fn of_motors(
     let (count, step_s) = (observation.samples(), samples.block as f64 / samples.rate_hz);
     let mut columns = Vec::new();
     for m in 0..n {
-        let motor: Vec<f64> = tau
-            .chunks_exact(n)
-            .take(count)
-            .map(|row| row.iter().enumerate().map(|(j, tau)| inverse[(j, m)] * tau).sum())
-            .collect();
+        let of_motor = |row: &[f64]| row.iter().enumerate().map(|(j, tau)| inverse[(j, m)] * tau).sum();
+        let motor: Vec<f64> = tau.chunks_exact(n).take(count).map(of_motor).collect();
         let rate = |k: usize| {
             let last = count - 1;
             let (before, after) = match (k, observation.periodic) {

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::error::EstimationError;
 use super::finding::Finding;
 use super::load_friction;
+use super::position_servo::ServoEstimate;
 use super::termination::Termination;
 use crate::base::BaseReduction;
 use crate::model::term::Sign;
@@ -93,6 +94,9 @@ pub struct Estimate {
     /// is part of the covariance, and the same error in every log of the arm. Empty where none is declared.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub motor_errors: Vec<Vec<f64>>,
+    /// What was estimated of position servos, in the order in which it was asked for; empty where nothing was.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub servo: Vec<ServoEstimate>,
     /// A full set of standard parameters φ with `K φ = β̂`, where one was asked for.
     pub standard: Option<Vec<StandardEstimate>>,
     /// Whether that set is physically consistent.

@@ -58,14 +58,10 @@ impl ExpectedResidual {
             }
         }
         let counts = (0..n).map(|i| observation.used.iter().skip(i).step_by(n).filter(|used| **used).count().max(1));
+        let correlation = |(&power, neighbours): (&f64, &f64)| if power > 0.0 { neighbours / power } else { 0.0 };
         Ok(Self {
             rms: sums.power.iter().zip(counts).map(|(p, count)| (p.max(0.0) / count as f64).sqrt()).collect(),
-            correlation: sums
-                .power
-                .iter()
-                .zip(&sums.neighbours)
-                .map(|(&p, n)| if p > 0.0 { n / p } else { 0.0 })
-                .collect(),
+            correlation: sums.power.iter().zip(&sums.neighbours).map(correlation).collect(),
         })
     }
 }

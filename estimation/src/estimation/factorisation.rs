@@ -250,14 +250,8 @@ impl SampleGroup {
             .filter(|&i| used[i])
             .flat_map(|i| (0..b).filter(move |&j| seen(i, j)).map(move |j| (i, j)).chain([(i, b)]))
             .collect();
-        let sources: Vec<&[f64]> = entries
-            .iter()
-            .map(
-                |&(i, j)| {
-                    if j < b { &w.as_slice()[j * rows + i..(j + 1) * rows] } else { &observation.y.as_slice()[i..] }
-                },
-            )
-            .collect();
+        let column = |j: usize| if j < b { &w.as_slice()[j * rows..(j + 1) * rows] } else { observation.y.as_slice() };
+        let sources: Vec<&[f64]> = entries.iter().map(|&(i, j)| &column(j)[i..]).collect();
         let factored = samples.len() > WORTH_FACTORING * entries.len();
         let mut rows = DMatrix::zeros(n * if factored { entries.len() } else { samples.len() }, b + 1);
         if factored {

@@ -142,18 +142,13 @@ impl Inference<'_> {
             covariance += &declared.covariance;
         }
         let t = student_quantile(0.975, freedom);
-        let base: Vec<BaseEstimate> = observation
-            .base
-            .names()
-            .into_iter()
-            .enumerate()
-            .map(|(j, name)| {
-                let (value, std) = (beta[j], covariance[(j, j)].max(0.0).sqrt());
-                let unit = observation.parameter_units[j].clone();
-                let declared_std = declared.as_ref().map_or(0.0, |of| of.covariance[(j, j)].max(0.0).sqrt());
-                BaseEstimate { name, value, std, ci95: [value - t * std, value + t * std], unit, declared_std }
-            })
-            .collect();
+        let parameter = |(j, name): (usize, String)| {
+            let (value, std) = (beta[j], covariance[(j, j)].max(0.0).sqrt());
+            let unit = observation.parameter_units[j].clone();
+            let declared_std = declared.as_ref().map_or(0.0, |of| of.covariance[(j, j)].max(0.0).sqrt());
+            BaseEstimate { name, value, std, ci95: [value - t * std, value + t * std], unit, declared_std }
+        };
+        let base: Vec<BaseEstimate> = observation.base.names().into_iter().enumerate().map(parameter).collect();
         let mut findings = self.findings(&base);
         findings.extend(beyond);
         findings.extend(observation.base.nearly_dependent.as_ref().map(|left_out| Finding::NearlyDependent {
@@ -167,19 +162,16 @@ impl Inference<'_> {
         if let Some(completion) = &completion {
             findings.extend(completion.findings.iter().cloned());
         }
+        let motor_errors = declared.map(|of| of.of_motors).filter(|of| of.ncols() > 0);
         let estimate = Estimate {
             estimator: self.estimator.to_owned(),
             robot: observation.robot.clone(),
             columns: observation.columns.to_string(),
             shape: observation.shape.clone(),
             covariance: rows_of(&covariance),
-            motor_errors: declared
-                .map(|of| of.of_motors)
-                .filter(|of| of.ncols() > 0)
-                .as_ref()
-                .map(rows_of)
-                .unwrap_or_default(),
+            motor_errors: motor_errors.as_ref().map(rows_of).unwrap_or_default(),
             consistent: completion.as_ref().map(|c| c.findings.is_empty()),
+            servo: Vec::new(),
             standard: completion.map(|c| {
                 let values = observation.base.parameters.iter();
                 values.map(|&id| StandardEstimate { name: id.to_string(), value: c.parameters.get(id) }).collect()
@@ -214,7 +206,7 @@ impl Inference<'_> {
     }
 
     /// cov β̂ for one noise, and that noise as it was believed.
-    fn covariance(
+    pub(super) fn covariance(
         &self,
         equations: &Factorisation<'_>,
         noise: &NoiseModel,
@@ -275,13 +267,12 @@ impl Inference<'_> {
     /// Joints whose residual is related to the one before more than noise is.
     fn correlated(&self, residual: &DVector<f64>, expected: &ExpectedResidual) -> Vec<Finding> {
         let found = neighbour_correlation(residual.as_slice(), self.problem.observation.dof);
-        found
-            .into_iter()
-            .zip(&expected.correlation)
-            .enumerate()
-            .filter(|(_, (correlation, expected))| *correlation > **expected + LARGE_CORRELATION)
-            .map(|(i, (correlation, &expected))| Finding::ResidualCorrelated { joint: i + 1, correlation, expected })
-            .collect()
+        let finding = |(i, (correlation, &expected)): (usize, (f64, &f64))| {
+            let joint = i + 1;
+            let is_large = correlation > expected + LARGE_CORRELATION;
+            is_large.then_some(Finding::ResidualCorrelated { joint, correlation, expected })
+        };
+        found.into_iter().zip(&expected.correlation).enumerate().filter_map(finding).collect()
     }
 
     fn findings(&self, base: &[BaseEstimate]) -> Vec<Finding> {

@@ -43,6 +43,7 @@ mod omitted;
 mod ordinary;
 mod payload;
 mod poorly_determined;
+mod position_servo;
 mod physical;
 mod prediction;
 mod problem;
@@ -65,7 +66,7 @@ mod tests;
 
 pub use closed_loop::{
     ClosedLoop, ClosedLoopError, ClosedLoopFactory, ClosedLoopInterval, ClosedLoopIntervals, ClosedLoopMotion,
-    ClosedLoopNode, ClosedLoopSlopes, closed_loop_of,
+    ClosedLoopNode, ClosedLoopReference, ClosedLoopSlopes, CommandedLoop, closed_loop_of, commanded_loop_of,
 };
 pub use comparison::{ComparedParameter, Comparison, compare};
 pub use completion::{Completion, complete};
@@ -85,6 +86,7 @@ pub use load_fit::observe;
 pub use model_fit::{BodyOrigin, ModelFit, ModelGuess, PriorWeight, fit_model};
 pub use observation::Observation;
 pub use payload::{NegativeMass, NegativeMassCause, Payload, PayloadBody, PayloadParameter, PayloadValue, payload};
+pub use position_servo::{PositionServo, ServoEstimate, ServoPart, between};
 pub use prediction::{Model, Validation, predict, validate};
 pub use problem::EstimationProblem;
 pub use residual::{residual_noise, scatter_noise};

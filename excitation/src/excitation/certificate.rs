@@ -75,7 +75,7 @@ pub struct Certificate {
     /// Condition number of the rigid base columns.
     #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub condition: f64,
-    /// The same with columns scaled to unit length.
+    /// Condition number of the rigid base columns, scaled to unit length.
     #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub condition_scaled: f64,
     /// ln det(W_bᵀ W_b / rows) of the rigid base columns.
@@ -84,7 +84,7 @@ pub struct Certificate {
     /// Condition number of the chosen base columns.
     #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub condition_all: f64,
-    /// The same with columns scaled to unit length.
+    /// Condition number of the chosen base columns, scaled to unit length.
     #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub condition_scaled_all: f64,
     /// ln det(W_bᵀ W_b / rows) of the chosen base columns.

@@ -25,7 +25,7 @@ pub(crate) const SHARPNESS: [f64; 6] = [4.0, 8.0, 16.0, 32.0, 64.0, 128.0];
 /// Predicted decrease of the minimised value, a logarithm, that ends a descent.
 const TOLERANCE: f64 = 1e-5;
 
-/// The same for a sharpness that another follows.
+/// Tolerance at a sharpness that another follows.
 const STAGE_TOLERANCE: f64 = 1e-4;
 
 /// Evaluations that must be left for another descent.
@@ -64,21 +64,7 @@ pub(crate) fn optimise(
 ) -> Result<Found, ExcitationError> {
     let problem = watched.problem;
     let mut objective = InformationObjective::of(problem, SHARPNESS[0])?;
-    let state = Sequential::new(start, &mut objective, feasibility.smooth(), settings(problem));
-    let last = (state.x.clone(), f64::NAN);
-    let mut search = Search {
-        problem,
-        watched,
-        feasibility,
-        objective: &mut objective,
-        state,
-        best: None,
-        last,
-        least: f64::INFINITY,
-        nearly: None,
-        history: Vec::new(),
-    };
-    search.record();
+    let mut search = Search::begin(watched, feasibility, &mut objective, start);
     // The search ends as its last descent does: where that was cut off, more evaluations might have found more.
     let mut last = search.descend();
     let mut hop = 0;
@@ -105,7 +91,7 @@ struct Search<'a> {
     state: Sequential,
     /// Variables and reported value of the best iterate inside the limits.
     best: Option<(Vec<f64>, f64)>,
-    /// The same of the last iterate.
+    /// Variables and value of the last iterate.
     last: (Vec<f64>, f64),
     /// The minimised value of the best.
     least: f64,
@@ -114,7 +100,23 @@ struct Search<'a> {
     history: Vec<HistoryPoint>,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    /// At the first guess, judged.
+    fn begin(
+        watched: WatchedProblem<'a>,
+        feasibility: &'a mut Feasibility,
+        objective: &'a mut InformationObjective,
+        start: Vec<f64>,
+    ) -> Self {
+        let problem = watched.problem;
+        let state = Sequential::new(start, objective, feasibility.smooth(), settings(problem));
+        let last = (state.x.clone(), f64::NAN);
+        let (best, least, nearly, history) = (None, f64::INFINITY, None, Vec::new());
+        let mut search = Self { problem, watched, feasibility, objective, state, best, last, least, nearly, history };
+        search.record();
+        search
+    }
+
     /// Judges the current iterate by the criterion itself.
     fn record(&mut self) {
         let (exact, excess) = (self.objective.exact(), self.state.excess);
@@ -226,5 +228,42 @@ impl Search<'_> {
             evaluations: self.state.evaluations,
             history: self.history,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chains;
+    use crate::excitation::{CriterionKind, DesignLimits};
+    use crate::model::Columns;
+
+    #[test]
+    fn analytic_of_iterates_nearly_inside_the_most_promising_is_moved_at_the_cost_of_one_evaluation() {
+        let (robot, limits) = (chains::crs_a460(), DesignLimits::of_motion());
+        let problem = DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, limits).unwrap();
+        let mut feasibility = Feasibility::new(&problem).unwrap();
+        let start = feasibility.first_guess(&problem, Seed::new(7), 0).unwrap();
+        let start = feasibility.basis().coefficients(&start).unwrap();
+        let mut objective = InformationObjective::of(&problem, SHARPNESS[0]).unwrap();
+        let mut search = Search::begin((&problem).into(), &mut feasibility, &mut objective, start);
+        let inside = search.least;
+        // At equal value the least excess counts; beyond the bound none does.
+        for excess in [0.012, 0.004, 0.008, 0.021] {
+            search.state.excess = excess;
+            search.record();
+        }
+        let (_, weighted) = search.nearly.as_ref().unwrap();
+        assert!((weighted - (inside + 50.0 * 0.004)).abs() < 1e-12, "{weighted} {inside}");
+        // Worth it from 0.2 + 0.25 below the best inside.
+        for (lead, is_worth) in [(0.44, false), (0.46, true)] {
+            search.least = inside + lead;
+            assert_eq!(search.is_worth_restoring(), is_worth, "{lead}");
+        }
+        let before = search.state.evaluations;
+        search.restore_nearly_inside();
+        let last = search.history.last().unwrap();
+        assert_eq!((last.evaluations, search.state.evaluations), (before + 1, before + 1));
+        assert!(last.excess <= EXCESS_TOLERANCE && search.least == inside, "{last:?}");
     }
 }

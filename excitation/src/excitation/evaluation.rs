@@ -80,7 +80,7 @@ impl EvaluationMotions {
         Self::new(motions, robot.dof())
     }
 
-    /// The same with the torque of each joint multiplied by a weight (n), as one over its rating.
+    /// Returns this evaluation with the torque of each joint multiplied by a weight (n), as one over its rating.
     ///
     /// # Errors
     /// [`ExcitationError::Length`] if it is not one for each joint, [`ExcitationError::NotPositive`] if one is no finite

@@ -281,3 +281,36 @@ fn scaled(trajectory: &PeriodicTrajectory, factor: f64) -> PeriodicTrajectory {
     }
     scaled
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chains;
+    use crate::excitation::{CriterionKind, DesignLimits};
+    use crate::model::Columns;
+
+    #[test]
+    fn identity_where_no_first_guess_keeps_its_clearance_the_one_that_lacks_least_is_taken() {
+        // No motion of this arm keeps its forearm so far from its base.
+        let limits = DesignLimits::of_motion().with_clearance(0.4).unwrap();
+        let problem = DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::DOptimal, limits).unwrap();
+        let mut feasibility = Feasibility::new(&problem).unwrap();
+        let (seed, index) = (Seed::new(7), 0);
+        let excess = |feasibility: &mut Feasibility, guess: &PeriodicTrajectory| {
+            let x = feasibility.basis().coefficients(guess).unwrap();
+            feasibility.smooth().excess(&x)
+        };
+        let starts = (0..START_ATTEMPTS).map(|attempt| problem.start(seed.child("first guess", index), attempt));
+        let all: Vec<f64> = std::iter::once(problem.start(seed, index))
+            .chain(starts)
+            .map(|start| {
+                let guess = feasibility.bring_inside(start.unwrap());
+                excess(&mut feasibility, &guess)
+            })
+            .collect();
+        let least = all.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(least > EXCESS_TOLERANCE && least < all[0], "{all:?}");
+        let taken = feasibility.first_guess(&problem, seed, index).unwrap();
+        assert_eq!(excess(&mut feasibility, &taken), least);
+    }
+}

@@ -139,7 +139,7 @@ impl Information {
         self.pull_back_with(states, s, None, sensitivity);
     }
 
-    /// The same where f depends on moments too: `(d, S_c)`. What it depends on through d itself is not in it.
+    /// The gradient if f depends on moments too: `(d, S_c)`. What it depends on through d itself is not in it.
     pub fn pull_back_with(
         &self,
         states: &States,
@@ -149,31 +149,27 @@ impl Information {
     ) {
         let (n, p, count) = (self.regressor.rows(), self.regressor.cols(), self.samples);
         let factor = 2.0 / (n * count) as f64;
-        let slopes: Vec<PaddedRows> = self
-            .joints
-            .iter()
-            .enumerate()
-            .map(|(i, joint)| {
-                let width = joint.columns.len();
-                let mut own = PaddedRows::zeros(width, width);
-                for (r, &row) in joint.columns.iter().enumerate() {
-                    for (entry, &column) in own.row_mut(r).iter_mut().zip(&joint.columns) {
-                        *entry = factor * joint.weight * s[(row, column)];
+        let slopes_of = |(i, joint): (usize, &JointRows)| {
+            let width = joint.columns.len();
+            let mut own = PaddedRows::zeros(width, width);
+            for (r, &row) in joint.columns.iter().enumerate() {
+                for (entry, &column) in own.row_mut(r).iter_mut().zip(&joint.columns) {
+                    *entry = factor * joint.weight * s[(row, column)];
+                }
+            }
+            let mut slopes = joint.rows.times(&own);
+            let Some((d, s_c)) = moments else { return slopes };
+            for k in 0..count {
+                for e in 0..d.ncols() {
+                    let weighted = 0.5 * factor * joint.weight * joint.weight * d[(k * n + i, e)];
+                    for (slope, &c) in slopes.row_mut(k).iter_mut().zip(&joint.columns) {
+                        *slope += weighted * s_c[(c, e)];
                     }
                 }
-                let mut slopes = joint.rows.times(&own);
-                let Some((d, s_c)) = moments else { return slopes };
-                for k in 0..count {
-                    for e in 0..d.ncols() {
-                        let weighted = 0.5 * factor * joint.weight * joint.weight * d[(k * n + i, e)];
-                        for (slope, &c) in slopes.row_mut(k).iter_mut().zip(&joint.columns) {
-                            *slope += weighted * s_c[(c, e)];
-                        }
-                    }
-                }
-                slopes
-            })
-            .collect();
+            }
+            slopes
+        };
+        let slopes: Vec<PaddedRows> = self.joints.iter().enumerate().map(slopes_of).collect();
         sensitivity.q.fill(0.0);
         sensitivity.qd.fill(0.0);
         sensitivity.qdd.fill(0.0);

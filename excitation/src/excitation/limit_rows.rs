@@ -13,7 +13,7 @@ use super::limits::permitted;
 use super::margins::Margins;
 use super::sampled::ShapeTable;
 use crate::linalg::dot;
-use crate::model::Robot;
+use crate::model::{Joint, Robot};
 use crate::optimiser::{LinearLimits, Row, RowSource};
 use crate::trajectory::Quantity;
 
@@ -34,11 +34,8 @@ impl LimitRows {
     /// The limits of `robot`, of which the parts `margins` may be used; excess up to `tolerance` relative to the limit
     /// counts as none.
     pub fn new(robot: &Robot, basis: &MotionBasis, margins: &Margins, tolerance: f64) -> Self {
-        let intervals = robot
-            .joints()
-            .iter()
-            .map(|joint| Quantity::ALL.map(|quantity| permitted(&joint.limits, quantity, margins.of(quantity))))
-            .collect();
+        let interval = |joint: &Joint| Quantity::ALL.map(|of| permitted(&joint.limits, of, margins.of(of)));
+        let intervals = robot.joints().iter().map(interval).collect();
         let tables = basis.shapes().iter().map(|shape| ShapeTable::new(&**shape, shape.grid())).collect();
         Self { basis: basis.clone(), intervals, tables, center: vec![0.0; basis.variables()], tolerance }
     }

@@ -61,7 +61,7 @@ impl InformationObjective {
         }
     }
 
-    /// The same where these effects are expected, on as many samples.
+    /// Returns this objective where these effects are expected, on as many samples.
     #[must_use]
     pub fn with_effects(mut self, torques: EffectTorques) -> Self {
         let none = DMatrix::zeros(0, 0);
@@ -273,7 +273,7 @@ mod tests {
                 let columns = if family == Family::Fourier { Columns::RIGID_ROTOR_FRICTION } else { Columns::RIGID };
                 let mut problem = problem(columns, kind);
                 problem.set_space(DesignSpace::new(family, 10.0, vec![5, 5, 5, 3, 3, 4]).unwrap()).unwrap();
-                if kind == CriterionKind::ModelError {
+                if kind.criterion().expects_effects() {
                     problem.set_expected(expected(&problem)).unwrap();
                 }
                 let b = problem.base().rank();

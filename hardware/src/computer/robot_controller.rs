@@ -110,35 +110,35 @@ impl<P: Plant> RobotController<P> {
         })
     }
 
-    /// The same controller with a fault to come.
+    /// Returns this controller with a fault to come.
     #[must_use]
     pub fn with_fault(mut self, fault: Option<Fault>) -> Self {
         self.fault = fault;
         self
     }
 
-    /// The same controller, which has found its joints' zero positions or not. One that has not says so and moves nothing.
+    /// Returns this controller, which has found its joints' zero positions or not. One that has not says so and moves nothing.
     #[must_use]
     pub fn with_homed(mut self, homed: bool) -> Self {
         self.homed = homed;
         self
     }
 
-    /// The same controller with motors that are not what the robot file says; see [`JointLoop::with_motors`].
+    /// Returns this controller with motors that are not what the robot file says; see [`JointLoop::with_motors`].
     #[must_use]
     pub fn with_motors(mut self, motors: &[Drive]) -> Self {
         self.joints = self.joints.with_motors(motors);
         self
     }
 
-    /// The same controller with another watchdog for streamed set-points.
+    /// Returns this controller with another watchdog for streamed set-points.
     #[must_use]
     pub fn with_watchdog(mut self, watchdog: Watchdog) -> Self {
         self.commander.set_watchdog(watchdog);
         self
     }
 
-    /// The same controller, which treats a motion that comes while another is under way so.
+    /// Returns this controller, which treats a motion that comes while another is under way so.
     #[must_use]
     pub fn with_replacement(mut self, replacement: Replacement) -> Self {
         self.commander.set_replacement(replacement);

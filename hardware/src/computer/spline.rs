@@ -104,7 +104,7 @@ impl Spline {
         Ok(())
     }
 
-    /// The same motion with a way to its first point, from where the joints are at `t` s: positions, velocities; n each.
+    /// Returns this motion with a way to its first point, from where the joints are at `t` s: positions, velocities; n each.
     ///
     /// # Errors
     /// [`Unfit`] where that way leaves a limit.

@@ -38,7 +38,7 @@ impl<A: Arm> Guarded<A> {
         Self { arm, robot, settings, mode, bounds, disables: true, record, observer: None }
     }
 
-    /// The same guard, which ends the motion instead where nothing `disables` the drives.
+    /// Returns this guard, which ends the motion instead where nothing `disables` the drives.
     #[must_use]
     pub fn with_disable(mut self, disables: bool) -> Self {
         self.disables = disables;
@@ -46,7 +46,7 @@ impl<A: Arm> Guarded<A> {
         self
     }
 
-    /// The same guard, which reports its state to an observer.
+    /// Returns this guard, which reports its state to an observer.
     #[must_use]
     pub fn with_observer(mut self, observer: Observer) -> Self {
         self.observer = Some(observer);

@@ -12,15 +12,15 @@ use armid::experiment::Expectation;
 pub struct GuardSettings {
     /// How far the soft limits lie inside the hard ones, deg.
     pub soft_margin_deg: f64,
-    /// The same for prismatic joints, m.
+    /// How far the soft limits lie inside the hard ones of a prismatic joint, m.
     pub soft_margin_m: f64,
     /// Largest distance from the command, deg.
     pub following_error_deg: f64,
-    /// The same for prismatic joints, m.
+    /// Largest distance from the command of a prismatic joint, m.
     pub following_error_m: f64,
     /// What a position may move between two samples beyond 1.5 times the speed limit, deg.
     pub jump_deg: f64,
-    /// The same for prismatic joints, m.
+    /// What a position may move between two samples beyond 1.5 times the speed limit of a prismatic joint, m.
     pub jump_m: f64,
     /// Largest measured speed, in parts of a joint's speed limit.
     pub overspeed: f64,

@@ -49,7 +49,7 @@ pub enum Trip {
 pub const REACTION_MS: f64 = 10.0;
 /// Time over which a joint's speed is measured, s.
 pub(crate) const OVERSPEED_WINDOW_S: f64 = 0.02;
-/// The same by the local clock, whose arrivals are less even, s.
+/// Time over which arrivals are measured by the local clock, whose arrivals are less even, s.
 pub(crate) const ARRIVAL_WINDOW_S: f64 = 0.2;
 /// Time between two looks at who else is on the network, and at the middleware's threads, ms.
 pub const LOOK_MS: f64 = 100.0;

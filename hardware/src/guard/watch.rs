@@ -27,7 +27,7 @@ impl Watch {
         Self { used, checks, settings, mode, rate_hz, disables: true, tripped: None }
     }
 
-    /// The same watch, which ends the motion instead of switching the drives off where nothing `disables` them.
+    /// Returns this watch, which ends the motion instead of switching the drives off where nothing `disables` them.
     #[must_use]
     pub(super) fn with_disable(mut self, disables: bool) -> Self {
         self.disables = disables;

@@ -12,7 +12,7 @@ pub(crate) const WINDOW_S: f64 = 0.2;
 const LEAST_STATES: usize = 3;
 /// What a joint that stands moves within the window, as a speed: 0.5 deg/s, a servo that settles and noise.
 const REST_RAD_S: f64 = 0.5 * std::f64::consts::PI / 180.0;
-/// The same for a prismatic joint, m/s.
+/// Speed below which a prismatic joint rests, m/s.
 const REST_M_S: f64 = 1e-3;
 /// Part of that at which a joint may drift, by the line through the window: an arm that sinks does not stand. A servo without
 /// an integral part creeps after braking: the simulated A460 by up to 0.37 deg/s for two seconds.

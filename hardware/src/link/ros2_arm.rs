@@ -76,7 +76,7 @@ impl Ros2Arm {
         Self::find(settings, robot, robot_text, || false)
     }
 
-    /// The same, unless the operator asks for the end.
+    /// Finds the robot as [`Self::connect`] does, unless the operator asks for the end.
     ///
     /// # Errors
     /// Those of [`Self::connect`], and [`LinkError::Interrupted`].

@@ -78,7 +78,7 @@ impl StampWatch {
         Self { period_s, last: None, clock: ClockWatch::default(), findings: StampFindings::default() }
     }
 
-    /// The same watch, which knows the clocks from before.
+    /// Returns this watch, which knows the clocks from before.
     pub(crate) fn with_clock(mut self, clock: ClockWatch) -> Self {
         self.clock = clock;
         self

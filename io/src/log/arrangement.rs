@@ -41,6 +41,9 @@ pub(super) fn arranged(mut log: Log, robot: &Robot) -> Result<Log, Error> {
     (log.q, log.effort) = (pick(&log.q), pick(&log.effort));
     log.qd = log.qd.as_deref().map(pick);
     log.link_q = log.link_q.as_deref().map(pick);
+    if let Some(servo) = &mut log.servo {
+        *servo = servo.of_joints(&order);
+    }
     if !log.excluded.is_empty() {
         let rows = log.excluded.chunks_exact(joints.len());
         log.excluded = rows.flat_map(|row| order.iter().map(|&joint| row[joint]).collect::<Vec<_>>()).collect();

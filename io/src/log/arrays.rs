@@ -1,12 +1,13 @@
 //! A log from arrays of a program.
 
+use armid::estimation::PositionServo;
 use armid::input::size::JOINTS;
 use armid::model::EffortInterface;
 
 use super::Log;
 use super::origin::Origin;
 use super::raw_log::RawLog;
-use super::servo::Servo;
+use super::servo;
 use crate::error::Error;
 
 /// When the rows of arrays were sampled.
@@ -40,7 +41,7 @@ pub struct LogArrays {
     /// Which of the two; as the robot file says where `None`.
     pub effort_unit: Option<EffortInterface>,
     /// What makes torques of commanded positions.
-    pub servo: Option<Servo>,
+    pub servo: Option<PositionServo>,
 }
 
 impl Log {
@@ -98,14 +99,14 @@ impl Log {
             }
         };
         let mut origin = Origin::default();
-        if let Some(servo) = &servo {
-            if let Some(fault) = servo.fault(dof) {
+        if let Some(of) = &servo {
+            if let Some(fault) = of.fault(dof) {
                 return Err(Error::new(format!("{name}: {fault}")));
             }
             let time = |row: usize| rate_hz.map_or_else(|| t[row], |rate| row as f64 / rate);
-            effort = servo.stiffness_torque(&effort, &q, &[], time);
+            effort = servo::stiffness_torque(of, &effort, &q, &[], time);
             effort_unit = Some(EffortInterface::Torque);
-            origin.remarks.push(servo.remark(qd.is_some()));
+            origin.remarks.push(servo::remark(of, qd.is_some()));
         }
         let called = name.clone();
         let raw = RawLog {
@@ -120,7 +121,7 @@ impl Log {
             effort,
             without_effort: Vec::new(),
             effort_unit,
-            damping: servo.map(|servo| servo.kd).unwrap_or_default(),
+            servo,
             conversion: Default::default(),
             origin,
         };
@@ -180,7 +181,7 @@ mod tests {
 
     #[test]
     fn identity_commands_by_a_mapping_and_in_arrays_make_the_torque_of_their_servo() {
-        let servo = Servo { kp: vec![100.0, 40.0], kd: vec![3.0, 0.5], delay_s: 0.01 };
+        let servo = PositionServo::new(vec![100.0, 40.0], vec![3.0, 0.5], 0.01);
         let of_torque = arrays(400);
         let t = |k: usize| k as f64 / 200.0;
         // What must be commanded so that the servo has this torque: the velocities are those of sines.
@@ -220,8 +221,8 @@ mod tests {
     #[test]
     fn arrays_that_do_not_belong_together_are_refused_by_their_name() {
         type Fault = (fn(&mut LogArrays), &'static str);
-        const fn servo(kp: Vec<f64>, kd: Vec<f64>, delay_s: f64) -> Option<Servo> {
-            Some(Servo { kp, kd, delay_s })
+        const fn servo(kp: Vec<f64>, kd: Vec<f64>, delay_s: f64) -> Option<PositionServo> {
+            Some(PositionServo::new(kp, kd, delay_s))
         }
         let faults: [Fault; 9] = [
             (|a| a.servo = servo(vec![1.0], vec![0.0; 2], 0.0), "kp has 1 values, expected 2"),

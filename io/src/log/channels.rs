@@ -18,7 +18,7 @@ use serde::Serialize;
 const MOVING: f64 = 3.0;
 /// Samples in a row from which on a value counts as held.
 const HELD: usize = 10;
-/// The same for a value at the end of a channel.
+/// Repeats of a value at the end of a channel.
 const HELD_AT_END: usize = 5;
 
 /// What is wrong with a channel.

@@ -34,7 +34,7 @@ impl Log {
         )
     }
 
-    /// The same log at another rate, segment by segment.
+    /// Returns this log at another rate, segment by segment.
     #[must_use]
     pub(super) fn resampled(&self, rate_hz: f64) -> Self {
         let (n, mut before) = (self.dof, 0);
@@ -81,6 +81,7 @@ impl Log {
             effort_unit: self.effort_unit,
             robot: self.robot.clone(),
             recording: None,
+            servo: self.servo.clone(),
             notes: self.notes.clone(),
             complete: self.complete,
             conversion: self.conversion.clone(),

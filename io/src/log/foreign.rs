@@ -92,7 +92,7 @@ pub(super) fn log(name: &str, messages: &[Message], reading: &StateReading<'_>) 
         effort: plan.effort.scaled(with_zeros(efforts, dof, &without_effort))?,
         without_effort,
         effort_unit: is_mapped.then_some(effort_unit),
-        damping: Vec::new(),
+        servo: None,
         conversion,
         origin: Origin {
             columns: if is_mapped { columns().map(said).collect() } else { Vec::new() },

@@ -7,7 +7,7 @@ use super::conversion::Conversion;
 use super::mapping::{ColumnMap, Mapping, Quantity, Unit, listed};
 use super::origin::{FileHash, Origin, ReadAs};
 use super::raw_log::RawLog;
-use super::servo::Servo;
+use super::servo;
 use crate::error::Error;
 use crate::suggestion;
 use crate::table::LogTable;
@@ -33,7 +33,7 @@ pub fn parse(texts: Vec<Text>, mapping: Option<&Mapping>, rate_hz: Option<f64>) 
     of_tables(texts.into_iter().map(LogTable::of_text).collect::<Result<_, _>>()?, mapping, rate_hz)
 }
 
-/// The same of tables of any kind.
+/// Reads the columns of a table of any kind.
 ///
 /// # Errors
 /// As [`parse`].
@@ -332,16 +332,16 @@ impl Reader<'_> {
         let t = if t.is_empty() { t } else { as_many(t, Quantity::Time, 1)? };
         let mut efforts = as_many(self.values(effort, dof)?, effort.quantity, dof)?;
         let mut origin = self.origin(files);
-        let servo = (effort.quantity == Quantity::Command).then(|| Servo::of_map(&effort.map, dof)).transpose()?;
-        if let Some(servo) = &servo {
+        let servo = (effort.quantity == Quantity::Command).then(|| servo::of_map(&effort.map, dof)).transpose()?;
+        if let Some(of) = &servo {
             if position.map.motor || velocity.is_some_and(|found| found.map.motor) {
                 let message = "q_cmd: found values at the motors in q or qd, expected all of them at the joints";
                 return Err(Error::mismatch(message));
             }
             add_offsets(&mut efforts, &effort.map.offsets(dof)?);
             let time = |row: usize| self.rate_hz.map_or_else(|| t[row], |rate| row as f64 / rate);
-            efforts = servo.stiffness_torque(&efforts, &q, &conversion.offset, time);
-            origin.remarks.push(servo.remark(velocity.is_some()));
+            efforts = servo::stiffness_torque(of, &efforts, &q, &conversion.offset, time);
+            origin.remarks.push(servo::remark(of, velocity.is_some()));
         }
         Ok(RawLog {
             joints: None,
@@ -354,7 +354,7 @@ impl Reader<'_> {
             q,
             without_effort: (0..dof).filter(|&joint| effort.columns[joint].is_none()).collect(),
             effort_unit: Some(effort_unit),
-            damping: servo.map(|servo| servo.kd).unwrap_or_default(),
+            servo,
             conversion,
             origin,
             name,

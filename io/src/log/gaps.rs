@@ -53,7 +53,7 @@ impl Gaps {
         }
     }
 
-    /// The same for programs.
+    /// The gaps as JSON.
     pub fn json(&self) -> Value {
         json!({ "missing_samples": self.missing, "periods": self.periods, "left_out": self.left_out })
     }

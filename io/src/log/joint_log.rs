@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use armid::estimation::PositionServo;
 use armid::experiment::Recording;
 use armid::model::EffortInterface;
 use armid::model::format::ChainEnds;
@@ -50,6 +51,8 @@ pub struct Log {
     pub robot: Option<RecordedRobot>,
     /// The experiment, where armid performed it.
     pub recording: Option<Recording>,
+    /// The servos that made the efforts of commanded positions.
+    pub servo: Option<PositionServo>,
     /// Further notes of an armid recording, as texts.
     pub notes: BTreeMap<String, String>,
     /// Whether the file is whole.

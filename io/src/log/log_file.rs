@@ -59,7 +59,7 @@ pub struct LogFile {
     pub until_s: Option<f64>,
     /// What the columns are; `None` leaves it to their headings.
     pub mapping: Option<Mapping>,
-    /// The same as `--map` would say it.
+    /// The map of columns as `--map` takes it.
     pub mapping_text: Option<String>,
 }
 

@@ -147,7 +147,7 @@ pub(super) fn table(path: &Path) -> Result<LogTable, Error> {
     table_of(path, read_bytes(path, &RECORDING_BYTES)?)
 }
 
-/// The same of the bytes of a file.
+/// The format of the bytes of a file.
 ///
 /// # Errors
 /// As [`table`].

@@ -2,11 +2,12 @@
 
 use std::cell::Cell;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use armid::diagnosis::standing_joints;
 use armid::estimation::{
-    Estimate, EstimationError, Estimator, EstimatorKind, FrictionSpeeds, Identification, ModelFit, ModelGuess,
-    Observation, Selection, closed_loop_of, fit_model, gain_equations, select,
+    ClosedLoop, ClosedLoopError, Estimate, EstimationError, Estimator, EstimatorKind, FrictionSpeeds, Identification,
+    ModelFit, ModelGuess, Observation, Selection, closed_loop_of, commanded_loop_of, fit_model, gain_equations, select,
 };
 use armid::model::term::{ShapeParameter, Stribeck};
 use armid::model::{Columns, Robot};
@@ -35,7 +36,7 @@ impl ProcessedLog {
         estimates.pop().ok_or_else(|| Error::new("no estimator is named, expected one"))
     }
 
-    /// The same by several estimators, of the list or from outside, which share base, nominal set and closed loop.
+    /// Identifies by several estimators, of the list or from outside, which share base, nominal set and closed loop.
     ///
     /// # Errors
     /// As [`Self::identify`].
@@ -43,7 +44,7 @@ impl ProcessedLog {
         self.identify_watched(columns, estimators, &Unobserved)
     }
 
-    /// The same, reporting to an observer, which may end estimators that iterate.
+    /// Identifies by several estimators and reports to an observer, which may end estimators that iterate.
     ///
     /// # Errors
     /// As [`Self::identify`].
@@ -58,14 +59,28 @@ impl ProcessedLog {
         if let Some(guess) = self.robot.guess() {
             identification = identification.with_nominal(guess);
         }
-        let recordings: Vec<_> = self.logs.iter().map(|log| log.recording.as_ref()).collect();
-        let robot = &self.robot;
-        let known = closed_loop_of(self.closed_loops, &robot.robot, robot.guess(), &recordings);
-        identification = identification.with_closed_loop(known);
+        let others = estimators.iter().map(|estimator| estimator.name());
+        if let Some(other) = others.into_iter().find(|name| *name != EstimatorKind::Cloe.name()) {
+            self.check_servo(&format!("the estimator {other}"))?;
+        }
+        identification = identification.with_closed_loop(self.closed_loop());
         if let Some(start) = &self.start {
             identification = identification.with_start(start);
         }
         identification.estimate_watched(&self.samples, estimators, observer).map_err(named)
+    }
+
+    /// The loop in which the logs were made.
+    fn closed_loop(&self) -> Result<Arc<dyn ClosedLoop>, ClosedLoopError> {
+        let (robot, guess) = (&self.robot.robot, self.robot.guess());
+        let Some(servo) = self.servo() else {
+            let recordings: Vec<_> = self.logs.iter().map(|log| log.recording.as_ref()).collect();
+            return closed_loop_of(self.closed_loops, robot, guess, &recordings);
+        };
+        match self.logs.iter().map(|log| log.segments.len()).find(|segments| *segments > 1) {
+            Some(segments) => Err(ClosedLoopError::Gaps { segments }),
+            None => commanded_loop_of(self.closed_loops, robot, guess, servo, &self.parts),
+        }
     }
 
     /// Which of these columns' terms the logs decide, by what is held out where anything is.
@@ -76,11 +91,12 @@ impl ProcessedLog {
         self.select_watched(candidates, &Unobserved)
     }
 
-    /// The same, reporting every set of terms that is fitted to an observer, which may end it.
+    /// Selects terms and reports every set of terms that is fitted to an observer, which may end it.
     ///
     /// # Errors
     /// As [`Self::identify`]; of [`crate::ErrorKind::Interrupted`] where the observer ended it.
     pub fn select_watched(&self, candidates: Columns, observer: &dyn Observer) -> Result<Selection, Error> {
+        self.check_servo("a selection of terms")?;
         let done = Cell::new(0);
         let identification = |columns| {
             let total = done.replace(done.get() + 1) + 1;
@@ -124,6 +140,7 @@ impl ProcessedLog {
         columns: Columns,
         observer: &dyn Observer,
     ) -> Result<Option<FrictionSpeeds>, Error> {
+        self.check_servo("a speed of friction")?;
         let found = self.identification(columns);
         let found = found.and_then(|of| of.friction_speeds(&self.samples, Stribeck::VELOCITY, observer));
         let speeds = found.map_err(|error| self.unestimated(&error))?;
@@ -147,6 +164,7 @@ impl ProcessedLog {
     /// # Errors
     /// [`Error`] where there are fewer equations than parameters, or the robot's geometry is not finite.
     pub fn gain_equations(&self, with: &Self, columns: Columns, load: &Inertia) -> Result<[Observation; 2], Error> {
+        self.check_servo("the gains of drives")?;
         let found = self.identification(columns);
         let found = found.and_then(|of| gain_equations(&of, [&self.samples, &with.samples], load));
         found.map_err(|error| self.unestimated(&error))

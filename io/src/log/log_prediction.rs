@@ -56,7 +56,7 @@ impl ProcessedLog {
         self.in_both(|parts| TorqueResidual::new(estimate, &regressor, parts, hz).map_err(named(name)))
     }
 
-    /// The same of a model that was read from a file, which errors call `name`.
+    /// Torque left unexplained by a model that was read from a file, which errors call `name`.
     ///
     /// # Errors
     /// [`Error`] where it is of another arm.

@@ -21,7 +21,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Log, Error> {
     log(path, contents(&path.display().to_string(), bytes)?, &StateReading::default())
 }
 
-/// The same of what a file holds, where it is known what is looked for in joint states of other tools.
+/// Reads the bytes of a file if it is known what is looked for in joint states of other tools.
 ///
 /// # Errors
 /// As [`parse`].

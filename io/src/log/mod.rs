@@ -61,6 +61,7 @@ mod topics;
 mod unusable;
 mod used_part;
 
+pub use armid::estimation::PositionServo as Servo;
 pub use arrays::{ArrayTime, LogArrays};
 pub use channels::{ChannelFault, ChannelState};
 pub use csv::{parse as parse_csv, write as write_csv};
@@ -77,6 +78,5 @@ pub(crate) use mcap_records::Records;
 pub use origin::{FileHash, Origin};
 pub use processed_log::ProcessedLog;
 pub use processing::process_all;
-pub use servo::Servo;
 pub use settings::{HeldOut, LogSettings};
 pub use stamps::Timing;

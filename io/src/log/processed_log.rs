@@ -1,6 +1,8 @@
 //! Logs that have become samples.
 
-use armid::estimation::ClosedLoopFactory;
+use std::borrow::Cow;
+
+use armid::estimation::{ClosedLoopFactory, Estimate, PositionServo};
 use armid::model::{EffortInterface, StandardParameters};
 use armid::remedy::{Remedy, Setting};
 use armid::signal::Samples;
@@ -21,7 +23,7 @@ pub struct ProcessedLog {
     pub robot: LoadedRobot,
     /// What identification works on: those of all logs, in their order.
     pub samples: Samples,
-    /// The same, log by log.
+    /// The samples, log by log.
     pub parts: Vec<Samples>,
     /// Samples that are held out.
     pub held_out: Vec<Samples>,
@@ -108,6 +110,71 @@ impl ProcessedLog {
             all = Some(stated);
         }
         Ok(all.unwrap_or_else(|| (EffortScale::RobotConstant, of_robot())))
+    }
+
+    /// The servos that made the torques of commanded positions; none where a log holds other efforts, or the logs state other servos.
+    pub fn servo(&self) -> Option<&PositionServo> {
+        let first = self.logs.first()?.servo.as_ref()?;
+        self.logs.iter().all(|log| log.servo.as_ref() == Some(first)).then_some(first)
+    }
+
+    /// Nothing is unknown of the servos, which `what` needs.
+    ///
+    /// # Errors
+    /// [`Error`] with what is not known.
+    pub fn check_servo(&self, what: &str) -> Result<(), Error> {
+        let Some(log) = self.logs.iter().find(|log| log.servo.as_ref().is_some_and(|of| !of.unknown.is_empty())) else {
+            return Ok(());
+        };
+        let parts = log.servo.iter().flat_map(|of| &of.unknown).map(ToString::to_string);
+        let names = parts.collect::<Vec<_>>().join(", ");
+        let message = format!("{}: {names} of the servo is unknown, expected it to be known for {what}", log.name);
+        let help = Remedy::set(Setting::Estimator, "cloe").say(" estimates it; then state it in ");
+        Err(Error::mismatch(message).help(help.setting(Setting::Map).say(" without unknown=")))
+    }
+
+    /// Torques and positions by the servos that an estimate found, which are those of the logs then. Nothing changes for one that found none.
+    ///
+    /// # Errors
+    /// [`Error`] where the estimate, which errors call `name`, found other numbers than are unknown of these logs.
+    pub fn take_servo(&mut self, estimate: &Estimate, name: &str) -> Result<(), Error> {
+        if estimate.servo.is_empty() {
+            return Ok(());
+        }
+        let values: Vec<f64> = estimate.servo.iter().map(|part| part.value).collect();
+        let names: Vec<&str> = estimate.servo.iter().map(|part| part.name.as_str()).collect();
+        let Some(stated) = self.servo().filter(|of| !of.unknown.is_empty()).cloned() else { return Ok(()) };
+        let unknown: Vec<String> = stated.unknown.iter().map(ToString::to_string).collect();
+        if unknown != names {
+            let (found, expected) = (names.join(", "), unknown.join(", "));
+            return Err(Error::mismatch(format!(
+                "{name} holds {found} of the servo, expected {expected}, unknown in the log"
+            )));
+        }
+        let found = PositionServo { unknown: Vec::new(), ..stated.clone().with_unknown(&values) };
+        for samples in self.parts.iter_mut().chain(&mut self.held_out) {
+            *samples = stated.restated(samples, &found);
+        }
+        self.samples = Samples::joined(self.parts.clone())
+            .map_err(|error| Error::mismatch(format!("{}: {error}", self.name())))?;
+        for log in &mut self.logs {
+            log.servo = Some(found.clone());
+        }
+        Ok(())
+    }
+
+    /// The same logs by the servos that an estimate found.
+    ///
+    /// # Errors
+    /// As [`Self::take_servo`]; where numbers are unknown that the estimate does not hold.
+    pub fn by_servo_of(&self, estimate: &Estimate, name: &str) -> Result<Cow<'_, Self>, Error> {
+        if self.logs.iter().all(|log| log.servo.as_ref().is_none_or(|of| of.unknown.is_empty())) {
+            return Ok(Cow::Borrowed(self));
+        }
+        let mut own = self.clone();
+        own.take_servo(estimate, name)?;
+        own.check_servo("a validation")?;
+        Ok(Cow::Owned(own))
     }
 
     pub(super) fn is_foreign(&self) -> bool {

@@ -31,7 +31,7 @@ impl Log {
         self.processed(robot, settings, None)
     }
 
-    /// The same, with a cut-off that was found in several logs.
+    /// Processes a log with a cut-off that was found in several logs.
     fn processed(
         self,
         robot: LoadedRobot,

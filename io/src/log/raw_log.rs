@@ -1,5 +1,6 @@
 //! A log as it was recorded, row by row, and how it becomes an even one.
 
+use armid::estimation::PositionServo;
 use armid::model::EffortInterface;
 use armid::signal::{Interpolation, resample};
 
@@ -34,8 +35,8 @@ pub(super) struct RawLog {
     /// Joints, from zero, whose effort was not measured or is not to be used.
     pub(super) without_effort: Vec<usize>,
     pub(super) effort_unit: Option<EffortInterface>,
-    /// Torque per speed that the efforts still lack, N·m·s/rad (N·s/m), n; none where nothing is lacking.
-    pub(super) damping: Vec<f64>,
+    /// The servos that made the efforts, whose damping these still lack.
+    pub(super) servo: Option<PositionServo>,
     pub(super) conversion: Conversion,
     pub(super) origin: Origin,
 }
@@ -113,6 +114,7 @@ impl RawLog {
             effort_unit: self.effort_unit,
             robot: None,
             recording: None,
+            servo: self.servo,
             notes: std::collections::BTreeMap::new(),
             complete: true,
             conversion: self.conversion,
@@ -145,7 +147,7 @@ impl RawLog {
             log.segments.push(Segment { start_s: *start_s, samples: count });
         }
         log.origin.timing = Some(stamps.timing);
-        subtract_damping(&mut log, &self.damping);
+        subtract_damping(&mut log);
         Ok(log)
     }
 
@@ -180,10 +182,8 @@ impl RawLog {
 }
 
 /// Subtracts Kd q̇ from the efforts, with velocities as they were measured, or from the positions where they were not.
-fn subtract_damping(log: &mut Log, damping: &[f64]) {
-    if damping.is_empty() {
-        return;
-    }
+fn subtract_damping(log: &mut Log) {
+    let Some(PositionServo { kd: damping, .. }) = &log.servo else { return };
     let (n, mut first) = (log.dof, 0);
     for segment in &log.segments {
         let span = first..first + segment.samples * n;

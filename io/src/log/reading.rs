@@ -21,7 +21,7 @@ impl Log {
         Self::read_as(path, &StateReading::default())
     }
 
-    /// The same, where it is known what is looked for in joint states of other tools.
+    /// Reads a log if it is known what is looked for in joint states of other tools.
     ///
     /// # Errors
     /// As [`Self::read`].

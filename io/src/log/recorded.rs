@@ -97,6 +97,7 @@ impl Log {
             excluded: Vec::new(),
             robot,
             recording: Some(recording),
+            servo: None,
             notes: BTreeMap::new(),
             complete: true,
             conversion: Conversion::default(),

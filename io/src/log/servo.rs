@@ -7,93 +7,81 @@
 //! ones and, between their limits, of servos that are set by position. Where a servo reaches its limit, or integrates, this is not its
 //! torque.
 
+use armid::estimation::PositionServo;
+
 use super::mapping::ColumnMap;
 use crate::error::Error;
 
-/// Gains and delay of the servos of n joints, which are known.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Servo {
-    /// Torque per error, N·m/rad (N/m), n.
-    pub kp: Vec<f64>,
-    /// Torque per speed, N·m·s/rad (N·s/m), n.
-    pub kd: Vec<f64>,
-    /// Time by which the servo acts after its command, s. One that holds each command until the next acts half a row late on average.
-    pub delay_s: f64,
+/// The servos of a mapping of commands.
+///
+/// # Errors
+/// [`Error`] where a list is neither of one value nor of `n`, or an unknown number is of another joint.
+pub(super) fn of_map(map: &ColumnMap, n: usize) -> Result<PositionServo, Error> {
+    let gain = |list: &Option<Vec<f64>>, what| map.of_each(list.as_deref(), 0.0, what, n);
+    let servo = PositionServo {
+        unknown: map.unknown.clone().unwrap_or_default(),
+        ..PositionServo::new(gain(&map.kp, "kp")?, gain(&map.kd, "kd")?, map.delay_s.unwrap_or(0.0))
+    };
+    match servo.fault(n) {
+        Some(fault) => Err(Error::new(format!("q_cmd: {fault}"))),
+        None => Ok(servo),
+    }
 }
 
-impl Servo {
-    /// The servo of a mapping of commands.
-    ///
-    /// # Errors
-    /// [`Error`] where a list is neither of one value nor of `n`.
-    pub(super) fn of_map(map: &ColumnMap, n: usize) -> Result<Self, Error> {
-        let gain = |list: &Option<Vec<f64>>, what| map.of_each(list.as_deref(), 0.0, what, n);
-        Ok(Self { kp: gain(&map.kp, "kp")?, kd: gain(&map.kd, "kd")?, delay_s: map.delay_s.unwrap_or(0.0) })
-    }
-
-    /// What is wrong with it, in a sentence.
-    pub(super) fn fault(&self, n: usize) -> Option<String> {
-        for (name, gains, lowest) in [("kp", &self.kp, f64::MIN_POSITIVE), ("kd", &self.kd, 0.0)] {
-            if gains.len() != n {
-                return Some(format!("{name} has {} values, expected {n}, one for each joint", gains.len()));
-            }
-            if let Some(gain) = gains.iter().find(|gain| !(gain.is_finite() && **gain >= lowest)) {
-                let expected = if lowest > 0.0 { "a number above zero" } else { "zero or a number above" };
-                return Some(format!("{name} is {gain}, expected {expected}"));
-            }
+/// One sentence on the torque that it makes.
+pub(super) fn remark(servo: &PositionServo, measured_velocity: bool) -> String {
+    let listed = |gains: &[f64]| gains.iter().map(f64::to_string).collect::<Vec<_>>().join("/");
+    let velocity = if measured_velocity { "as it was measured" } else { "from the positions" };
+    let guessed = match &servo.unknown[..] {
+        [] => String::new(),
+        unknown => {
+            let names: Vec<String> = unknown.iter().map(ToString::to_string).collect();
+            format!("; {} is a guess that is estimated", names.join(", "))
         }
-        let delay = self.delay_s;
-        (!(delay.is_finite() && delay >= 0.0)).then(|| format!("delay is {delay} s, expected zero or a number above"))
-    }
+    };
+    let delay =
+        if servo.delay_s > 0.0 { format!(", {} ms after the command", 1e3 * servo.delay_s) } else { String::new() };
+    format!(
+        "torques are those of a servo, kp (q_cmd − q) − kd qd with kp {}, kd {}, qd {velocity}{delay}{guessed}",
+        listed(&servo.kp),
+        listed(&servo.kd)
+    )
+}
 
-    /// One sentence on the torque that it makes.
-    pub(super) fn remark(&self, measured_velocity: bool) -> String {
-        let listed = |gains: &[f64]| gains.iter().map(f64::to_string).collect::<Vec<_>>().join("/");
-        let velocity = if measured_velocity { "as it was measured" } else { "from the positions" };
-        let delay =
-            if self.delay_s > 0.0 { format!(", {} ms after the command", 1e3 * self.delay_s) } else { String::new() };
-        format!(
-            "torques are those of a servo, kp (q_cmd − q) − kd qd with kp {}, kd {}, qd {velocity}{delay}",
-            listed(&self.kp),
-            listed(&self.kd)
-        )
-    }
-
-    /// Kp (q_cmd(t − d) − q − offset), N·m (N), N × n. Between two rows a delayed command is on the line between them; NaN before there is
-    /// one. `offset` is what is still to be added to the positions, rad (m), n; none where nothing is.
-    pub(super) fn stiffness_torque(
-        &self,
-        command: &[f64],
-        q: &[f64],
-        offset: &[f64],
-        t: impl Fn(usize) -> f64,
-    ) -> Vec<f64> {
-        let n = self.kp.len();
-        let rows = q.len() / n;
-        let mut from = 0;
-        let mut torque = Vec::with_capacity(q.len());
-        for row in 0..rows {
-            let at = t(row) - self.delay_s;
-            while from + 1 < rows && t(from + 1) <= at {
-                from += 1;
-            }
-            let after = (from + 1).min(rows - 1);
-            let (before, next) = (t(from), t(after));
-            let weight = if self.delay_s == 0.0 || next <= before { 0.0 } else { (at - before) / (next - before) };
-            let from = if self.delay_s == 0.0 { row } else { from };
-            for (joint, kp) in self.kp.iter().enumerate() {
-                let known = |row: usize| command[row * n + joint];
-                let commanded = match weight {
-                    0.0 => known(from),
-                    weight if weight < 0.0 => f64::NAN,
-                    weight => known(from) + weight * (known(after) - known(from)),
-                };
-                let reached = q[row * n + joint] + offset.get(joint).copied().unwrap_or(0.0);
-                torque.push(kp * (commanded - reached));
-            }
+/// Kp (q_cmd(t − d) − q − offset), N·m (N), N × n. Between two rows a delayed command is on the line between them; NaN before there is
+/// one. `offset` is what is still to be added to the positions, rad (m), n; none where nothing is.
+pub(super) fn stiffness_torque(
+    servo: &PositionServo,
+    command: &[f64],
+    q: &[f64],
+    offset: &[f64],
+    t: impl Fn(usize) -> f64,
+) -> Vec<f64> {
+    let n = servo.kp.len();
+    let rows = q.len() / n;
+    let mut from = 0;
+    let mut torque = Vec::with_capacity(q.len());
+    for row in 0..rows {
+        let at = t(row) - servo.delay_s;
+        while from + 1 < rows && t(from + 1) <= at {
+            from += 1;
         }
-        torque
+        let after = (from + 1).min(rows - 1);
+        let (before, next) = (t(from), t(after));
+        let weight = if servo.delay_s == 0.0 || next <= before { 0.0 } else { (at - before) / (next - before) };
+        let from = if servo.delay_s == 0.0 { row } else { from };
+        for (joint, kp) in servo.kp.iter().enumerate() {
+            let known = |row: usize| command[row * n + joint];
+            let commanded = match weight {
+                0.0 => known(from),
+                weight if weight < 0.0 => f64::NAN,
+                weight => known(from) + weight * (known(after) - known(from)),
+            };
+            let reached = q[row * n + joint] + offset.get(joint).copied().unwrap_or(0.0);
+            torque.push(kp * (commanded - reached));
+        }
     }
+    torque
 }
 
 /// Velocities of rows at a constant rate, rad/s (m/s), N × n, by differences that are exact for polynomials of the fourth degree, and of the
@@ -129,8 +117,8 @@ mod tests {
         let command: Vec<f64> = (0..rows).flat_map(|row| [t(row), 2.0 - 3.0 * t(row)]).collect();
         let q = vec![0.5; 2 * rows];
         for (delay_s, late) in [(0.0, 0), (0.025, 3)] {
-            let servo = Servo { kp: vec![10.0, 20.0], kd: vec![0.0; 2], delay_s };
-            let torque = servo.stiffness_torque(&command, &q, &[0.0, 0.1], t);
+            let servo = PositionServo::new(vec![10.0, 20.0], vec![0.0; 2], delay_s);
+            let torque = stiffness_torque(&servo, &command, &q, &[0.0, 0.1], t);
             for row in 0..rows {
                 let at = t(row) - delay_s;
                 let expected = [10.0 * (at - 0.5), 20.0 * (2.0 - 3.0 * at - 0.6)];

@@ -81,7 +81,7 @@ impl LogSettings {
         Self { period_s: Some(period_s), ..Self::default() }
     }
 
-    /// The same for a choice of terms: rows near reversals stay, since they tell laws of friction apart.
+    /// Returns these settings for a choice of terms: rows near reversals stay, since they tell laws of friction apart.
     #[must_use]
     pub fn for_selection(mut self) -> Self {
         self.processing.reversal_cycles = 0.0;

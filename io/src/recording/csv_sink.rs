@@ -24,7 +24,7 @@ impl<'a> CsvSink<'a> {
         Self { path: path.to_path_buf(), recording: None, on_sample: Box::new(on_sample), asked_to_stop: || false }
     }
 
-    /// The same sink, which stops the experiment where `asked` says so.
+    /// Returns this sink, which stops the experiment when `asked` says so.
     #[must_use]
     pub fn stopping_when(self, asked: fn() -> bool) -> Self {
         Self { asked_to_stop: asked, ..self }

@@ -63,7 +63,7 @@ pub struct McapSink<'a> {
 
 struct Open {
     writer: mcap::Writer<BufWriter<File>>,
-    /// The same file: to synchronise it, and to keep others from it.
+    /// A handle of the file: to synchronise it, and to keep others from it.
     file: File,
     states: u16,
     /// Made with the first sample that has voltages.
@@ -95,19 +95,19 @@ impl<'a> McapSink<'a> {
         }
     }
 
-    /// The same sink, which stops the experiment where `asked` says so.
+    /// Returns this sink, which stops the experiment when `asked` says so.
     #[must_use]
     pub fn stopping_when(self, asked: fn() -> bool) -> Self {
         Self { asked_to_stop: asked, ..self }
     }
 
-    /// The same sink, whose recording also shows the robot in viewers.
+    /// Returns this sink; its recording also shows the robot in viewers.
     #[must_use]
     pub fn showing(self, robot: &'a Robot) -> Self {
         Self { robot: Some(robot), ..self }
     }
 
-    /// The same sink for an experiment that goes on: what was recorded before stays `R.mcap.part` until its first
+    /// Returns this sink for an experiment that is resumed: what was recorded before stays `R.mcap.part` until its first
     /// `kept` samples are in the new file, which then takes that name.
     #[must_use]
     pub fn resuming(mut self, kept: usize) -> Self {

@@ -1,6 +1,6 @@
 //! Studies on disk: the plan, the work as it gets done, and the results.
 
-mod criterion_ratios;
+mod figure_numbers;
 mod finished_work;
 mod journal;
 mod journal_text;
@@ -14,7 +14,7 @@ mod robots;
 mod row_files;
 mod store;
 
-pub use criterion_ratios::{read_ratios, write_ratios};
+pub use figure_numbers::{read_figure_numbers, write_figure_numbers};
 pub use finished_work::{FinishedWork, MadeDesign};
 pub use journal::Journal;
 pub use journal_text::parse_journal;

@@ -31,7 +31,7 @@ pub fn load(name: &str, engines: &[&'static str]) -> Result<(StudyPlan, Option<P
     }
 }
 
-/// The same of a study on one robot or on several, which may name methods from outside; each robot of several is there.
+/// Reads the plan of a study on one robot or on several, which may name methods from outside; each robot of several is there.
 ///
 /// # Errors
 /// As [`load`], and where a robot of several cannot be loaded.
@@ -69,7 +69,7 @@ pub fn load_all(
     Ok((plans, folder))
 }
 
-/// The same error at a robot's name in the list of a plan.
+/// The error at a robot's name in the list of a plan.
 fn at_robot(error: Error, text: &Text, robot: &str) -> Error {
     let lines = text.content.split_inclusive('\n').scan(0, |begin, line| {
         let start = *begin;

@@ -112,13 +112,13 @@ impl JointLoop {
         }
     }
 
-    /// The same loop around the drives of an arm with effects, whose plant is at rest at `start`.
+    /// Returns this loop around the drives of an arm with effects, whose plant is at rest at `start`.
     pub(super) fn with_effects(mut self, arm: &ActualArm, start: &[f64]) -> Self {
         self.drives = ActualDrives::of(arm, &self.transmission, self.motors.per_ampere(), start).map(Box::new);
         self
     }
 
-    /// The same loop around motors that are not what the robot file says, as [`super::Servo::with_motors`].
+    /// Returns this loop around motors that are not what the robot file says, as [`super::Servo::with_motors`].
     #[must_use]
     pub fn with_motors(mut self, motors: &[Drive]) -> Self {
         self.motors = Motors::new(motors, 1.0 / self.controller.dt());
@@ -231,7 +231,7 @@ impl JointLoop {
         (&self.q, &self.reported)
     }
 
-    /// The same `late_s` seconds after the step, or not at all where the sample is `lost`: [`JointLoop::reported`] then
+    /// Reports the sample `late_s` seconds after the step, or not at all where the sample is `lost`: [`JointLoop::reported`] then
     /// stays that of the one before.
     pub(super) fn sense_late(&mut self, late_s: f64, lost: bool) {
         self.sensors.late = late_s / self.controller.dt();

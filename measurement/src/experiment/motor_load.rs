@@ -6,19 +6,16 @@ use super::servo_error::ServoError;
 use super::transmission::Transmission;
 use crate::dynamics::Dynamics;
 use crate::model::term::{COULOMB, VISCOUS};
-use crate::model::{Robot, StandardParameters};
+use crate::model::{Joint, Robot, StandardParameters};
 
 /// The pose at which gains are placed: every joint a quarter of its range above the middle of it, 45° where it has no
 /// limits. An arm with its elbow half bent, neither folded nor stretched; n, rad (m).
 pub fn gain_pose(robot: &Robot) -> Vec<f64> {
-    robot
-        .joints()
-        .iter()
-        .map(|joint| {
-            let (low, high) = joint.limits.position;
-            if (high - low).is_finite() { low + 0.75 * (high - low) } else { std::f64::consts::FRAC_PI_4 }
-        })
-        .collect()
+    let place = |joint: &Joint| {
+        let (low, high) = joint.limits.position;
+        if (high - low).is_finite() { low + 0.75 * (high - low) } else { std::f64::consts::FRAC_PI_4 }
+    };
+    robot.joints().iter().map(place).collect()
 }
 
 /// Inertia and friction that the motors see while the others stand still, in motor coordinates after the gear; n each.

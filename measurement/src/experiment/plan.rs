@@ -61,14 +61,14 @@ impl ExperimentPlan {
         }
     }
 
-    /// The same plan with another number of recorded periods.
+    /// Returns this plan with another number of recorded periods.
     #[must_use]
     pub fn with_periods(mut self, periods: usize) -> Self {
         self.periods = periods;
         self
     }
 
-    /// The same path at `part` of the speed, for first runs: the motion's period grows, ramps and settling stay.
+    /// Returns this plan with its path at `part` of the speed, for first runs: the motion's period grows, ramps and settling stay.
     #[must_use]
     pub fn at_speed(mut self, part: f64) -> Self {
         self.trajectory = self.trajectory.at_speed(part);
@@ -115,14 +115,12 @@ impl ExperimentPlan {
             (Phase::RampOut, ramp),
         ];
         let mut begin = 0;
-        let spans = lengths
-            .into_iter()
-            .map(|(phase, length)| {
-                let samples = begin..begin + length;
-                begin += length;
-                PhaseSpan { phase, samples }
-            })
-            .collect();
+        let span = |(phase, length): (Phase, usize)| {
+            let samples = begin..begin + length;
+            begin += length;
+            PhaseSpan { phase, samples }
+        };
+        let spans = lengths.into_iter().map(span).collect();
         Ok(Layout { spans, period_samples })
     }
 

@@ -47,7 +47,7 @@ pub fn record(arm: &mut dyn Arm, plan: &ExperimentPlan) -> Result<(Recording, En
     record_watched(arm, plan, &Unobserved)
 }
 
-/// The same, reporting to an observer, which may stop the arm: the samples up to there are kept.
+/// Records an experiment and reports to an observer, which may stop the arm: the samples up to there are kept.
 ///
 /// # Errors
 /// As [`record`].

@@ -146,7 +146,7 @@ impl Recording {
         self.link_q.get(k * self.dof..(k + 1) * self.dof).unwrap_or_default()
     }
 
-    /// The same recording without its samples.
+    /// Returns this recording without its samples.
     #[must_use]
     pub fn without_samples(&self) -> Self {
         let mut header = self.clone();
@@ -154,7 +154,7 @@ impl Recording {
         header
     }
 
-    /// The same recording with its first `samples` samples.
+    /// Keeps the first `samples` samples of this recording.
     pub fn truncate(&mut self, samples: usize) {
         let n = self.dof;
         self.t.truncate(samples);

@@ -42,28 +42,14 @@ pub struct Sensing {
 impl Default for Sensing {
     /// What the robot file says; no position noise.
     fn default() -> Self {
-        Self {
-            encoders: true,
-            position_noise: Vec::new(),
-            current_noise: true,
-            converters: true,
-            link_step: None,
-            voltage: false,
-        }
+        Self { current_noise: true, converters: true, ..Self::noise_free() }
     }
 }
 
 impl Sensing {
     /// Sensors that read exactly what is there.
-    pub const fn ideal() -> Self {
-        Self {
-            encoders: false,
-            position_noise: Vec::new(),
-            current_noise: false,
-            converters: false,
-            link_step: None,
-            voltage: false,
-        }
+    pub fn ideal() -> Self {
+        Self { encoders: false, ..Self::noise_free() }
     }
 
     /// Encoders that count, currents without fault.
@@ -166,7 +152,7 @@ impl Sensors {
         }
     }
 
-    /// The same sensors with what is wrong with those of an arm.
+    /// Returns these sensors with the faults of those of an arm.
     pub(super) fn with_effects(mut self, actual: &ActualSensors) -> Self {
         for (i, encoder) in self.encoders.iter_mut().enumerate() {
             encoder.counts /= actual.encoder_step;

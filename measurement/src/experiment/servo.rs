@@ -101,27 +101,27 @@ impl<P: Plant> Servo<P> {
         })
     }
 
-    /// The same servo with the random streams of another seed and run.
+    /// Returns this servo with the random streams of another seed and run.
     #[must_use]
     pub fn with_seed(self, seed: Seed, run: u64) -> Self {
         self.with_noise(seed.of_run(run))
     }
 
-    /// The same servo with the random numbers of a run.
+    /// Returns this servo with the random numbers of a run.
     #[must_use]
     pub fn with_noise(mut self, noise: RunNoise) -> Self {
         self.noise = noise;
         self
     }
 
-    /// The same servo with other sensors.
+    /// Returns this servo with other sensors.
     #[must_use]
     pub fn with_sensing(mut self, sensing: Sensing) -> Self {
         self.sensing = sensing;
         self
     }
 
-    /// The same servo around motors that are not what the robot file says: `motors` holds the torque constants and
+    /// Returns this servo around motors that are not what the robot file says: `motors` holds the torque constants and
     /// circuits that the arm really has, n; the controller goes on with those of the robot file.
     ///
     /// # Panics
@@ -133,7 +133,7 @@ impl<P: Plant> Servo<P> {
         self
     }
 
-    /// The same servo on an arm with effects. The plant must be one of [`ActualArm::robot`] and
+    /// Returns this servo on an arm with effects. The plant must be one of [`ActualArm::robot`] and
     /// [`ActualArm::parameters`]; controller and transmission stay those of the robot file.
     ///
     /// # Panics
@@ -145,7 +145,7 @@ impl<P: Plant> Servo<P> {
         self
     }
 
-    /// The same servo, whose recordings carry the text of the robot file.
+    /// Returns this servo; its recordings carry the text of the robot file.
     #[must_use]
     pub fn with_robot_text(mut self, text: impl Into<String>) -> Self {
         self.robot_text = text.into();

@@ -16,7 +16,7 @@ const FEW_LAGS: usize = 16;
 pub struct CovarianceOperator {
     lags: Vec<DMatrix<f64>>,
     wraps: bool,
-    /// The same as a spectrum, where there are many lags.
+    /// The covariance as a spectrum, if there are many lags.
     spectrum: Option<NoiseSpectrum>,
 }
 

@@ -133,7 +133,7 @@ impl FourierTransform {
         }
     }
 
-    /// The same of as many as `parts` has places.
+    /// Combines as many transforms as `parts` has places.
     fn combine_any(&self, stride: usize, m: usize, out: &mut [Complex<f64>], parts: &mut [Complex<f64>]) {
         for k in 0..m {
             parts[0] = out[k];

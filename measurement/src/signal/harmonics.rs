@@ -73,7 +73,7 @@ impl HarmonicSeries {
         self.lines.get(h).map_or(0.0, |line| line.norm())
     }
 
-    /// The same series without what lies above harmonic `h`.
+    /// Returns this series without what is above harmonic `h`.
     #[must_use]
     pub fn up_to(mut self, h: usize) -> Self {
         self.lines.truncate(h + 1);
@@ -116,7 +116,7 @@ impl HarmonicSeries {
         self.smoothed_power().into_iter().enumerate().map(|(h, p)| if h == 0 { 1.0 } else { share(p) }).collect()
     }
 
-    /// The same series with every line times its factor; lines beyond the factors are left out.
+    /// Returns this series with every line times its factor; lines beyond the factors are left out.
     #[must_use]
     pub fn weighted(mut self, factors: &[f64]) -> Self {
         self.lines.truncate(factors.len());

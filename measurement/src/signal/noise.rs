@@ -93,7 +93,7 @@ impl NoiseModel {
         Self { lags, weights, wraps, degrees_of_freedom: count / spread }
     }
 
-    /// The same lags with Bartlett's weights `1 − l/(L+1)`: biased towards white noise, but a covariance for certain.
+    /// Returns these lags with Bartlett's weights `1 − l/(L+1)`: biased towards white noise, but a covariance for certain.
     #[must_use]
     pub fn tapered(&self) -> Self {
         let end = self.lags.len() as f64;
@@ -101,7 +101,7 @@ impl NoiseModel {
         Self { weights, ..self.clone() }
     }
 
-    /// The same noise with all covariances multiplied by `factor`, as by averaging over `1/factor` periods.
+    /// Returns this noise with all covariances multiplied by `factor`, as by averaging over `1/factor` periods.
     #[must_use]
     pub fn scaled(mut self, factor: f64) -> Self {
         for r in &mut self.lags {
@@ -110,7 +110,7 @@ impl NoiseModel {
         self
     }
 
-    /// The same noise with white one of this variance in the place of joint `i`, which shares it with no other.
+    /// Returns this noise with white noise of this variance at joint `i`, which shares it with no other.
     #[must_use]
     pub fn with_white(mut self, i: usize, variance: f64) -> Self {
         for (l, r) in self.lags.iter_mut().enumerate() {

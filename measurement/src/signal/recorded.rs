@@ -47,3 +47,37 @@ pub fn process(recording: &Recording, robot: &Robot, processing: &Processing) ->
     samples.provenance = Some(recording.provenance.clone());
     Ok(samples)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::hinges::{self, FlyWheels};
+    use crate::experiment::{ExperimentPlan, Servo, record};
+
+    #[test]
+    fn identity_samples_are_those_of_the_whole_periods_alone() {
+        let plan =
+            ExperimentPlan { settle_s: 0.1, ramp_s: 0.3, periods: 3, ..ExperimentPlan::new(hinges::trajectory(1)) };
+        let robot = hinges::single();
+        let mut servo = Servo::new(&robot, &hinges::parameters(1), FlyWheels::new(1)).unwrap();
+        let recording = record(&mut servo, &plan).unwrap().0;
+        let samples = |changed: Option<usize>| {
+            let mut recording = recording.clone();
+            if let Some(k) = changed {
+                recording.q[k] += 0.01;
+                recording.effort[k] += 0.01;
+            }
+            process(&recording, &robot, &Processing::default()).unwrap()
+        };
+        let (whole, periods) = (samples(None), recording.recorded());
+        for (k, counts) in [
+            (0, false),
+            (periods.start - 1, false),
+            (periods.start, true),
+            (periods.end - 1, true),
+            (periods.end, false),
+        ] {
+            assert_eq!(samples(Some(k)) != whole, counts, "sample {k} of {periods:?}");
+        }
+    }
+}

@@ -231,7 +231,7 @@ impl Samples {
         Ok(all)
     }
 
-    /// The same with some joints (from one) held where they are on average: their own rows are no equations, since friction at
+    /// Returns these samples with some joints (from one) held where they are on average: their own rows are no equations, since friction at
     /// rest is anything up to its largest value.
     #[must_use]
     pub fn with_joints_at_rest(mut self, joints: &[usize]) -> Self {
@@ -248,7 +248,7 @@ impl Samples {
         self
     }
 
-    /// The same with the blocks as equations in which a joint hardly moves: a model that is to be used predicts those too.
+    /// Returns these samples with the blocks as equations in which a joint hardly moves: a model that is to be used predicts those too.
     #[must_use]
     pub fn with_slow_blocks(mut self) -> Self {
         for (used, slow) in self.used.iter_mut().zip(std::mem::take(&mut self.slow)) {
@@ -257,8 +257,8 @@ impl Samples {
         self
     }
 
-    /// The same with the positions of the links, which are those of other samples: of the same record, processed with the encoders behind the
-    /// transmissions in the place of the motors'.
+    /// Returns these samples with the positions of the links from other samples: of the same record, processed with the encoders
+    /// behind the transmissions instead of the motors'.
     ///
     /// # Panics
     /// If they are not as many.

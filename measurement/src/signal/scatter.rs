@@ -63,7 +63,7 @@ impl ScatterSpectrum {
         Some(Self { dof, lines })
     }
 
-    /// The same after a filter of real gain `gain(h)` on line h.
+    /// Returns this scatter after a filter of real gain `gain(h)` on line h.
     pub(super) fn filtered(mut self, gain: impl Fn(usize) -> f64) -> Self {
         let triangle = self.dof * (self.dof + 1) / 2;
         let mut last = 0;

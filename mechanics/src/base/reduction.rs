@@ -175,13 +175,13 @@ impl BaseReduction {
         }
     }
 
-    /// The same with another motion of the base.
+    /// Returns this reduction for another motion of the base.
     pub(super) const fn with_base_motion(mut self, base_motion: BaseMotion) -> Self {
         self.base_motion = base_motion;
         self
     }
 
-    /// The same with the rows and columns of some parameters, which stand at `places`, replaced by those of a reduction of them
+    /// Returns this reduction with the rows and columns of some parameters, which stand at `places`, replaced by those of a reduction of them
     /// alone: for parameters that no other combines with.
     pub(super) fn with_rows(self, places: &[usize], part: &Self) -> Self {
         let mut rows: Vec<(usize, Option<usize>)> =
@@ -206,7 +206,7 @@ impl BaseReduction {
         Self { categories: categories(&kept, &k), kept, k, ..self }
     }
 
-    /// The same, which says what was left out.
+    /// Returns this reduction with a record of what was left out.
     pub(super) fn without(mut self, left_out: NearlyDependent) -> Self {
         self.nearly_dependent = Some(left_out);
         self

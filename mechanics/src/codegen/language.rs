@@ -30,7 +30,7 @@ impl Language {
 const C_SMOOTH_SIGN: &str = "\nstatic double smooth_sign(double v, double scale)\n{\n    \
     return scale > 0.0 ? tanh(v / scale) : (double)((v > 0.0) - (v < 0.0));\n}\n";
 
-/// The same in Rust.
+/// The smooth sign function in Rust.
 const RUST_SMOOTH_SIGN: &str = "\nfn smooth_sign(v: f64, scale: f64) -> f64 {\n    \
     if scale > 0.0 { (v / scale).tanh() } else if v == 0.0 { 0.0 } else { v.signum() }\n}\n";
 

@@ -144,19 +144,16 @@ pub(super) struct ArticulatedJoint {
 
 /// Workspace for `n` joints.
 pub(super) fn workspace(chain: &JointChain) -> Vec<ArticulatedJoint> {
-    chain
-        .joints
-        .iter()
-        .map(|_| ArticulatedJoint {
-            pose: JointPose::NOWHERE,
-            c: Motion::zero(),
-            inertia: ArticulatedInertia::ZERO,
-            bias: Force::zero(),
-            u_column: Force::zero(),
-            inverse_d: 0.0,
-            u: 0.0,
-        })
-        .collect()
+    let joint = ArticulatedJoint {
+        pose: JointPose::nowhere(0.0),
+        c: Motion::zero(),
+        inertia: ArticulatedInertia::ZERO,
+        bias: Force::zero(),
+        u_column: Force::zero(),
+        inverse_d: 0.0,
+        u: 0.0,
+    };
+    vec![joint; chain.joints.len()]
 }
 
 /// Turns joint efforts (n), friction already subtracted, into accelerations, in place, with rotor inertias `rotors` (n).

@@ -29,7 +29,7 @@ pub(super) struct Workspace {
 impl Workspace {
     pub(super) fn new(chain: &JointChain) -> Self {
         let n = chain.joints.len();
-        let joint = |&body: &Body| CompositeJoint { pose: JointPose::NOWHERE, body, wrench: Force::zero() };
+        let joint = |&body: &Body| CompositeJoint { pose: JointPose::nowhere(0.0), body, wrench: Force::zero() };
         Self { joints: chain.bodies.iter().map(joint).collect(), mass: vec![0.0; n * n], bias: vec![0.0; n] }
     }
 }

@@ -13,9 +13,9 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::symmetric::Symmetric3;
-use crate::lanes::sines_and_cosines;
+use crate::lanes::{Lane, sines_and_cosines};
 use crate::model::{JointKind, Robot};
-use crate::spatial::{Force, Inertia, Motion, Placement};
+use crate::spatial::{Force, Inertia, LaneForce, LaneMotion, Motion, Placement, Three, cross, sum};
 
 /// One joint in the form of the module's header.
 #[derive(Clone, Copy, Debug)]
@@ -29,14 +29,14 @@ pub(super) struct JointFrame {
     origin: Vector3<f64>,
 }
 
-/// Where a joint's frame stands in the one before, at some coordinate.
+/// Where a joint's frame stands in the one before, at some coordinate, of one sample or of several.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct JointPose {
-    sin: f64,
-    cos: f64,
-    sin_alpha: f64,
-    cos_alpha: f64,
-    origin: Vector3<f64>,
+pub(super) struct JointPose<V = f64> {
+    sin: V,
+    cos: V,
+    sin_alpha: V,
+    cos_alpha: V,
+    origin: Three<V>,
 }
 
 /// The inertia of a link, or of several that are held together, in a joint's frame.
@@ -108,7 +108,7 @@ impl Turns {
     #[inline]
     pub(super) fn take(&mut self, joints: &[JointFrame], q: &[f64]) {
         for ((angle, joint), q) in self.angles.iter_mut().zip(joints).zip(q) {
-            *angle = if joint.revolute { joint.offset + q } else { joint.offset };
+            *angle = joint.angle(*q);
         }
         sines_and_cosines(&self.angles, &mut self.sines, &mut self.cosines);
     }
@@ -135,60 +135,108 @@ fn turn_back(gamma: f64) -> Placement {
 impl JointFrame {
     /// The pose at coordinate `q`, whose angle about the axis has this sine and cosine.
     #[inline(always)]
-    pub(super) fn pose(&self, q: f64, (sin, cos): (f64, f64)) -> JointPose {
-        let slide = if self.revolute { 0.0 } else { q };
-        let (sin_alpha, cos_alpha) = (self.sin_alpha, self.cos_alpha);
-        let origin = Vector3::new(self.origin.x, self.origin.y - sin_alpha * slide, self.origin.z + cos_alpha * slide);
+    pub(super) fn pose<V: Lane>(&self, q: V, (sin, cos): (V, V)) -> JointPose<V> {
+        let (sin_alpha, cos_alpha) = (q.splat(self.sin_alpha), q.splat(self.cos_alpha));
+        let mut origin = three(q, &self.origin);
+        if !self.revolute {
+            origin[1] = origin[1] - sin_alpha * q;
+            origin[2] = origin[2] + cos_alpha * q;
+        }
         JointPose { sin, cos, sin_alpha, cos_alpha, origin }
     }
-}
 
-impl JointFrame {
+    /// The angle about the axis at coordinate `q`.
+    #[inline(always)]
+    pub(super) fn angle<V: Lane>(&self, q: V) -> V {
+        let offset = q.splat(self.offset);
+        if self.revolute { offset + q } else { offset }
+    }
+
     /// Velocity and acceleration of the child from those of its parent, both given in the child's frame:
     /// `v + S q̇`, `a + S q̈ + v × S q̇`.
-    #[inline]
-    pub(super) fn moved(&self, v: &Motion, a: &Motion, qd: f64, qdd: f64) -> (Motion, Motion) {
-        let (mut v, mut a) = (*v, *a);
+    #[inline(always)]
+    pub(super) fn moved<V: Lane>(
+        &self,
+        (mut v, mut a): (LaneMotion<V>, LaneMotion<V>),
+        qd: V,
+        qdd: V,
+    ) -> (LaneMotion<V>, LaneMotion<V>) {
         // v × ẑ q̇, of either half.
-        let turned = |x: &Vector3<f64>| Vector3::new(x.y * qd, -(x.x * qd), 0.0);
+        let turned = |a: &mut Three<V>, x: &Three<V>| (a[0], a[1]) = (a[0] + x[1] * qd, a[1] - x[0] * qd);
         if self.revolute {
-            (a.ang, a.lin) = (a.ang + turned(&v.ang), a.lin + turned(&v.lin));
-            v.ang.z += qd;
-            a.ang.z += qdd;
+            turned(&mut a.ang, &v.ang);
+            turned(&mut a.lin, &v.lin);
+            v.ang[2] = v.ang[2] + qd;
+            a.ang[2] = a.ang[2] + qdd;
         } else {
-            a.lin += turned(&v.ang);
-            v.lin.z += qd;
-            a.lin.z += qdd;
+            turned(&mut a.lin, &v.ang);
+            v.lin[2] = v.lin[2] + qd;
+            a.lin[2] = a.lin[2] + qdd;
         }
         (v, a)
     }
 
     /// What a force on the child asks of the joint: `Sᵀ f`.
-    #[inline]
-    pub(super) fn effort(&self, f: &Force) -> f64 {
-        if self.revolute { f.ang.z } else { f.lin.z }
+    #[inline(always)]
+    pub(super) fn effort<V: Lane>(&self, f: &LaneForce<V>) -> V {
+        if self.revolute { f.ang[2] } else { f.lin[2] }
+    }
+}
+
+/// The same vector for all samples.
+#[inline(always)]
+fn three<V: Lane>(one: V, x: &Vector3<f64>) -> Three<V> {
+    [one.splat(x.x), one.splat(x.y), one.splat(x.z)]
+}
+
+impl<V: Lane> JointPose<V> {
+    /// Before anything is known; `zero` says of how many samples.
+    #[inline(always)]
+    pub(super) fn nowhere(zero: V) -> Self {
+        let one = zero.splat(1.0);
+        Self { sin: zero, cos: one, sin_alpha: zero, cos_alpha: one, origin: [zero; 3] }
+    }
+
+    /// Zero, for as many samples.
+    #[inline(always)]
+    pub(super) fn zero(&self) -> V {
+        self.sin.splat(0.0)
+    }
+
+    /// `Rᵀ x`.
+    #[inline(always)]
+    fn turned_in(&self, x: &Three<V>) -> Three<V> {
+        let (sa, ca, s, c) = (self.sin_alpha, self.cos_alpha, self.sin, self.cos);
+        let y = ca * x[1] + sa * x[2];
+        [c * x[0] + s * y, c * y - s * x[0], ca * x[2] - sa * x[1]]
+    }
+
+    /// `R x`.
+    #[inline(always)]
+    fn turned_out(&self, x: &Three<V>) -> Three<V> {
+        let (sa, ca, s, c) = (self.sin_alpha, self.cos_alpha, self.sin, self.cos);
+        let y = s * x[0] + c * x[1];
+        [c * x[0] - s * x[1], ca * y - sa * x[2], sa * y + ca * x[2]]
+    }
+
+    #[inline(always)]
+    pub(super) fn in_child(&self, m: &LaneMotion<V>) -> LaneMotion<V> {
+        let lin = sum(&m.lin, &cross(&m.ang, &self.origin));
+        LaneMotion { ang: self.turned_in(&m.ang), lin: self.turned_in(&lin) }
+    }
+
+    #[inline(always)]
+    pub(super) fn in_parent(&self, f: &LaneForce<V>) -> LaneForce<V> {
+        let lin = self.turned_out(&f.lin);
+        LaneForce { ang: sum(&self.turned_out(&f.ang), &cross(&self.origin, &lin)), lin }
     }
 }
 
 impl JointPose {
-    /// Before anything is known.
-    pub(super) const NOWHERE: Self =
-        Self { sin: 0.0, cos: 1.0, sin_alpha: 0.0, cos_alpha: 1.0, origin: Vector3::new(0.0, 0.0, 0.0) };
-
-    /// `Rᵀ x`.
-    #[inline]
-    fn turn_in(&self, x: &Vector3<f64>) -> Vector3<f64> {
-        let (sa, ca, s, c) = (self.sin_alpha, self.cos_alpha, self.sin, self.cos);
-        let y = ca * x.y + sa * x.z;
-        Vector3::new(c * x.x + s * y, c * y - s * x.x, ca * x.z - sa * x.y)
-    }
-
     /// `R x`.
     #[inline]
     pub(super) fn turn_out(&self, x: &Vector3<f64>) -> Vector3<f64> {
-        let (sa, ca, s, c) = (self.sin_alpha, self.cos_alpha, self.sin, self.cos);
-        let y = s * x.x + c * x.y;
-        Vector3::new(c * x.x - s * x.y, ca * y - sa * x.z, sa * y + ca * x.z)
+        self.turned_out(&(*x).into()).into()
     }
 
     /// `R M Rᵀ`.
@@ -199,19 +247,18 @@ impl JointPose {
 
     /// The child's origin in the parent.
     #[inline]
-    pub(super) fn origin(&self) -> &Vector3<f64> {
-        &self.origin
+    pub(super) fn origin(&self) -> Vector3<f64> {
+        self.origin.into()
     }
 
     #[inline]
     pub(super) fn motion_to_child(&self, m: &Motion) -> Motion {
-        Motion { ang: self.turn_in(&m.ang), lin: self.turn_in(&(m.lin + m.ang.cross(&self.origin))) }
+        self.in_child(&m.into()).into()
     }
 
     #[inline]
     pub(super) fn force_to_parent(&self, f: &Force) -> Force {
-        let lin = self.turn_out(&f.lin);
-        Force { ang: self.turn_out(&f.ang) + self.origin.cross(&lin), lin }
+        self.in_parent(&f.into()).into()
     }
 }
 
@@ -249,7 +296,7 @@ impl Body {
         }
     }
 
-    /// The same body seen from the parent's frame.
+    /// Returns this body as seen from the parent's frame.
     #[inline]
     pub(super) fn to_parent(self, pose: &JointPose) -> Self {
         Self {
@@ -257,7 +304,7 @@ impl Body {
             first_moment: pose.turn_out(&self.first_moment),
             rotational: pose.turn_symmetric(&self.rotational),
         }
-        .moved(&pose.origin)
+        .moved(&pose.origin())
     }
 
     /// Both bodies held together.
@@ -276,12 +323,22 @@ impl Body {
     /// n = J α + ω × J ω + h × b        f = m b + α × h + ω × (ω × h)
     /// ```
     #[inline(always)]
-    pub(super) fn wrench(&self, v: &Motion, a: &Motion) -> Force {
-        let (j, h) = (&self.rotational, &self.first_moment);
-        let b = a.lin + v.ang.cross(&v.lin);
-        Force {
-            ang: j.times(&a.ang) + v.ang.cross(&j.times(&v.ang)) + h.cross(&b),
-            lin: b * self.mass + a.ang.cross(h) + v.ang.cross(&v.ang.cross(h)),
+    pub(super) fn lane_wrench<V: Lane>(&self, v: &LaneMotion<V>, a: &LaneMotion<V>) -> LaneForce<V> {
+        let one = v.ang[0];
+        let (j, h) = (&self.rotational, three(one, &self.first_moment));
+        let b = sum(&a.lin, &cross(&v.ang, &v.lin));
+        let [x, y, z] = b;
+        let mass = one.splat(self.mass);
+        let turned = cross(&v.ang, &j.lane_times(&v.ang));
+        LaneForce {
+            ang: sum(&sum(&j.lane_times(&a.ang), &turned), &cross(&h, &b)),
+            lin: sum(&sum(&[x * mass, y * mass, z * mass], &cross(&a.ang, &h)), &cross(&v.ang, &cross(&v.ang, &h))),
         }
+    }
+
+    /// The same of one sample.
+    #[inline(always)]
+    pub(super) fn wrench(&self, v: &Motion, a: &Motion) -> Force {
+        self.lane_wrench(&v.into(), &a.into()).into()
     }
 }

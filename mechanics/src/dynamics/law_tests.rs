@@ -20,7 +20,7 @@ fn chains_of_every_kind(count: u64) -> impl Iterator<Item = (Robot, StandardPara
     })
 }
 
-/// The same parameters without friction and offset: what remains conserves energy.
+/// The parameters without friction and offset: what remains conserves energy.
 fn frictionless(parameters: &StandardParameters) -> StandardParameters {
     let mut bare = parameters.clone();
     for drive in &mut bare.drives {

@@ -70,7 +70,7 @@ impl LinkPose {
         }
     }
 
-    /// The same where sine and cosine of q are known.
+    /// Pose of the link from sine and cosine of q.
     #[inline(always)]
     pub(crate) fn turn_of(&self, q: f64, sine: f64, cosine: f64) -> [f64; 2] {
         match self.kind {

@@ -18,6 +18,7 @@
 mod articulated;
 mod composite;
 mod energy;
+mod inverse;
 mod joint_frames;
 #[cfg(test)]
 mod law_tests;
@@ -26,6 +27,7 @@ mod model;
 mod placed_term;
 mod simulable;
 mod symmetric;
+mod together;
 mod torque_difference;
 mod torque_terms;
 
@@ -36,5 +38,6 @@ pub use model::Dynamics;
 pub use placed_term::PlacedTerm;
 pub use simulable::{TermError, check_simulable};
 pub(crate) use symmetric::Symmetric3;
+pub(crate) use together::{TOGETHER, Together};
 pub use torque_difference::TorqueDifference;
 pub use torque_terms::{TermState, TorqueTerms};

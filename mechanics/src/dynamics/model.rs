@@ -4,11 +4,13 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::articulated::{self, ArticulatedJoint};
 use super::composite;
-use super::joint_frames::{JointChain, JointPose, Turns};
+use super::inverse::{self, Carried};
+use super::joint_frames::{JointChain, Turns};
 use super::link_pose::LinkPose;
 use super::torque_terms::{TermState, TorqueTerms};
 use crate::model::{Columns, Robot, StandardParameters};
-use crate::spatial::{Force, Inertia, Motion};
+use crate::spatial::{Inertia, Motion};
+use crate::trajectory::States;
 
 /// Repetitions after which an acceleration under load-dependent friction is given up.
 const MOST_REPETITIONS: usize = 200;
@@ -47,7 +49,7 @@ pub struct Dynamics {
     chain: JointChain,
     turns: Turns,
     /// Pose of each joint's frame, and the force that its link takes.
-    carried: Vec<(JointPose, Force)>,
+    carried: Vec<Carried<f64>>,
     articulated: Vec<ArticulatedJoint>,
     composite: composite::Workspace,
     /// Diagonal of `term_inertia`.
@@ -81,7 +83,7 @@ impl Dynamics {
             term_inertia: term_inertia.transpose().as_slice().to_vec(),
             articulated: articulated::workspace(&chain),
             composite: composite::Workspace::new(&chain),
-            carried: vec![(JointPose::NOWHERE, Force::zero()); n],
+            carried: inverse::workspace(n, 0.0),
             turns: Turns::new(&chain),
             chain,
             term_torque: vec![0.0; n],
@@ -119,24 +121,28 @@ impl Dynamics {
         self.add_terms(q, qd, qdd, &mut tau[..self.poses.len()]);
     }
 
+    /// Joint efforts of many samples, N × n row-major, several at once: bit by bit what [`Self::inverse`] gives of each.
+    ///
+    /// # Panics
+    /// If the states are not those of n joints, or `tau` is not N·n long.
+    pub fn inverse_of(&mut self, states: &States, tau: &mut [f64]) {
+        let n = self.dof();
+        assert_eq!(states.dof, n, "states of {} joints, expected {n}", states.dof);
+        assert_eq!(tau.len(), states.len() * n, "one place for each effort");
+        inverse::efforts_of(&self.chain, states, tau);
+        if self.terms.acts() {
+            for (k, tau) in tau.chunks_exact_mut(n).enumerate() {
+                self.add_terms(states.q(k), states.qd(k), states.qdd(k), tau);
+            }
+        }
+    }
+
     /// The efforts that the links alone take, without any term.
     #[inline]
     fn inverse_of_links(&mut self, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
-        let mut v = Motion::zero();
-        let mut a = Motion::new(Vector3::zeros(), self.chain.base_acceleration);
         self.turns.take(&self.chain.joints, q);
-        let steps = self.carried.iter_mut().zip(self.chain.joints.iter().zip(&self.chain.bodies));
-        for (i, ((pose, force), (joint, body))) in steps.enumerate() {
-            *pose = joint.pose(q[i], self.turns.of(i));
-            (v, a) = joint.moved(&pose.motion_to_child(&v), &pose.motion_to_child(&a), qd[i], qdd[i]);
-            *force = body.wrench(&v, &a);
-        }
-        let mut f = Force::zero();
-        for (i, ((pose, force), joint)) in self.carried.iter().zip(&self.chain.joints).enumerate().rev() {
-            f += *force;
-            tau[i] = joint.effort(&f);
-            f = pose.force_to_parent(&f);
-        }
+        let (turns, carried) = (&self.turns, &mut self.carried);
+        inverse::efforts(&self.chain, carried, |i| ([q[i], qd[i], qdd[i]], turns.of(i)), |i, effort| tau[i] = effort);
     }
 
     /// Adds the terms to the torque `tau` that the links take.
@@ -170,7 +176,7 @@ impl Dynamics {
         }
     }
 
-    /// The same accelerations by the mass matrix of composite bodies and its `L D Lᵀ`, `O(n³)` with a small factor.
+    /// Joint accelerations by the mass matrix of composite bodies and its `L D Lᵀ`, `O(n³)` with a small factor.
     ///
     /// # Panics
     /// If a slice is shorter than n.
@@ -182,7 +188,7 @@ impl Dynamics {
         });
     }
 
-    /// The same accelerations by articulated bodies, `O(n)`.
+    /// Joint accelerations by articulated bodies, `O(n)`.
     ///
     /// Where motors are coupled the rotors' part `CᵀIaC` of the mass matrix is not diagonal: a rotor is then carried by
     /// no single joint, the recursion over single joints does not hold, and the mass matrix is used instead.
@@ -265,6 +271,32 @@ mod tests {
     use super::*;
     use crate::chains::{self, ChainRecipe};
     use crate::seed::Seed;
+
+    #[test]
+    fn identity_many_samples_have_the_bits_of_each_alone() {
+        for run in 0..20 {
+            let mut rng = Seed::new(17).stream("chains", run);
+            let dof = 1 + usize::try_from(run % 9).unwrap();
+            let recipe = ChainRecipe { coupled: run % 2 == 0, tilted: run % 3 == 0, ..ChainRecipe::new(dof) };
+            let (robot, mut parameters) = recipe.draw(&mut rng);
+            if run % 4 == 0 {
+                parameters = parameters.links_alone();
+            }
+            let mut dynamics = Dynamics::new(&robot, &parameters);
+            let mut states = States::new(dof);
+            for _ in 0..run {
+                let (q, qd, qdd) = chains::random_state(&mut rng, dof);
+                states.push(&q, &qd, &qdd);
+            }
+            let mut all = vec![f64::NAN; states.len() * dof];
+            dynamics.inverse_of(&states, &mut all);
+            let mut alone = vec![0.0; dof];
+            for (k, found) in all.chunks_exact(dof).enumerate() {
+                dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), &mut alone);
+                assert_eq!(found, alone, "chain {run}, sample {k}");
+            }
+        }
+    }
 
     #[test]
     fn identity_forward_dynamics_undoes_inverse_dynamics() {

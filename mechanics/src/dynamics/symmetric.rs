@@ -2,6 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::lanes::Lane;
+use crate::spatial::Three;
+
 /// A symmetric matrix; turning it about a coordinate axis takes 8 products.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Symmetric3 {
@@ -29,11 +32,15 @@ impl Symmetric3 {
     /// `M x`.
     #[inline]
     pub(crate) fn times(&self, x: &Vector3<f64>) -> Vector3<f64> {
-        Vector3::new(
-            self.xx * x.x + self.xy * x.y + self.xz * x.z,
-            self.xy * x.x + self.yy * x.y + self.yz * x.z,
-            self.xz * x.x + self.yz * x.y + self.zz * x.z,
-        )
+        self.lane_times(&(*x).into()).into()
+    }
+
+    /// `M x` of several samples.
+    #[inline(always)]
+    pub(crate) fn lane_times<V: Lane>(&self, x: &Three<V>) -> Three<V> {
+        let [a, b, c] = *x;
+        let row = |m: [f64; 3]| a.splat(m[0]) * a + a.splat(m[1]) * b + a.splat(m[2]) * c;
+        [row([self.xx, self.xy, self.xz]), row([self.xy, self.yy, self.yz]), row([self.xz, self.yz, self.zz])]
     }
 
     #[inline]

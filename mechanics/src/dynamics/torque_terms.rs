@@ -97,6 +97,11 @@ impl TorqueTerms {
         &self.parameters
     }
 
+    /// Whether there is any.
+    pub(super) const fn acts(&self) -> bool {
+        !self.banks.is_empty()
+    }
+
     /// Whether a term depends on the torque that the links take.
     pub const fn needs_load(&self) -> bool {
         self.needs_load
@@ -257,14 +262,7 @@ impl TorqueTerms {
                     let d = self.coupling_row(index);
                     let torque_row = self.torque_row(index);
                     let weight = (0..self.dof).fold(0.0, |sum, i| sum + d[i] * weights[i * stride + column]);
-                    let by = bank.term.slopes(&TermInput {
-                        q: dot(d, state.q),
-                        qd: dot(d, state.qd),
-                        qdd: dot(d, state.qdd),
-                        load: if state.load.is_empty() { 0.0 } else { dot(torque_row, state.load) },
-                        warmth: 0.0,
-                        shape: bank.shapes[index],
-                    });
+                    let by = bank.term.slopes(&self.input(bank, index, state));
                     for i in 0..self.dof {
                         dq[i] += d[i] * weight * by[0];
                         dqd[i] += d[i] * weight * by[1];
@@ -273,14 +271,7 @@ impl TorqueTerms {
                     }
                 } else {
                     let weight = weights[index * stride + column];
-                    let by = bank.term.slopes(&TermInput {
-                        q: state.q[index],
-                        qd: state.qd[index],
-                        qdd: state.qdd[index],
-                        load: if state.load.is_empty() { 0.0 } else { state.load[index] },
-                        warmth: 0.0,
-                        shape: bank.shapes[index],
-                    });
+                    let by = bank.term.slopes(&self.input(bank, index, state));
                     dq[index] += weight * by[0];
                     dqd[index] += weight * by[1];
                     dqdd[index] += weight * by[2];
@@ -295,13 +286,7 @@ impl TorqueTerms {
     pub(crate) fn add_load_slopes(&self, values: &[f64], state: &TermState<'_>, slopes: &mut [f64]) {
         for bank in self.banks.iter().filter(|bank| bank.term.entry().needs.load) {
             for &(index, column) in &bank.members {
-                let shape = bank.shapes[index];
-                let at = |x: &[f64]| if bank.through_coupling { dot(self.coupling_row(index), x) } else { x[index] };
-                let load =
-                    if bank.through_coupling { dot(self.torque_row(index), state.load) } else { state.load[index] };
-                let input =
-                    TermInput { q: at(state.q), qd: at(state.qd), qdd: at(state.qdd), load, warmth: 0.0, shape };
-                let slope = values[column] * bank.term.slopes(&input)[3];
+                let slope = values[column] * bank.term.slopes(&self.input(bank, index, state))[3];
                 if bank.through_coupling {
                     for (row, d) in slopes.chunks_exact_mut(self.dof).zip(self.coupling_row(index)) {
                         for (slope_of, share) in row.iter_mut().zip(self.torque_row(index)) {
@@ -313,6 +298,17 @@ impl TorqueTerms {
                 }
             }
         }
+    }
+
+    /// A state as the law of a joint or motor sees it.
+    fn input(&self, bank: &Bank, index: usize, state: &TermState<'_>) -> TermInput<f64> {
+        let at = |x: &[f64]| if bank.through_coupling { dot(self.coupling_row(index), x) } else { x[index] };
+        let load = match (state.load, bank.through_coupling) {
+            ([], _) => 0.0,
+            (load, true) => dot(self.torque_row(index), load),
+            (load, false) => load[index],
+        };
+        TermInput { q: at(state.q), qd: at(state.qd), qdd: at(state.qdd), load, warmth: 0.0, shape: bank.shapes[index] }
     }
 
     /// Calls `each(first, g)` with the law of the joints or motors from `first` on, in chunks.

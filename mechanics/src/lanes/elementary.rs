@@ -64,13 +64,7 @@ pub fn sines<const N: usize, V: Lane>(x: &[V; N]) -> [(V, V); N] {
 pub fn tanh<V: Lane>(x: V) -> V {
     let c = |value: f64| x.splat(value);
     // In this order NaN stays NaN.
-    let w = c(20.0).smaller(x.magnitude()) * c(-2.0);
-    let k = (w * c(std::f64::consts::LOG2_E)).nearest();
-    let r = (w - k * c(LN_2[0])) - k * c(LN_2[1]);
-    let z = r * r;
-    let a = c(1.0) + z * (c(5.0 / 44.0) + z * (c(1.0 / 792.0) + z * c(1.0 / 665_280.0)));
-    let b = r * (c(0.5) + z * (c(1.0 / 66.0) + z * c(1.0 / 15_840.0)));
-    let scale = k.power_of_two();
+    let (a, b, scale) = exponential(c(20.0).smaller(x.magnitude()) * c(-2.0));
     let (below, above) = (a - b, (a + b) * scale);
     let size = (below - above).over(below + above);
     x.less(c(0.0), -size, size)
@@ -81,13 +75,20 @@ pub fn tanh<V: Lane>(x: V) -> V {
 pub fn exp<V: Lane>(x: V) -> V {
     let c = |value: f64| x.splat(value);
     // In this order NaN stays NaN.
-    let w = -c(690.0).smaller(-c(690.0).smaller(x));
-    let k = (w * c(std::f64::consts::LOG2_E)).nearest();
-    let r = (w - k * c(LN_2[0])) - k * c(LN_2[1]);
+    let (a, b, scale) = exponential(-c(690.0).smaller(-c(690.0).smaller(x)));
+    (a + b).over(a - b) * scale
+}
+
+/// `eˣ = (a + b)/(a − b) · scale`, a power of two: Padé's fraction of the rest of x modulo ln 2.
+#[inline(always)]
+fn exponential<V: Lane>(x: V) -> (V, V, V) {
+    let c = |value: f64| x.splat(value);
+    let k = (x * c(std::f64::consts::LOG2_E)).nearest();
+    let r = (x - k * c(LN_2[0])) - k * c(LN_2[1]);
     let z = r * r;
     let a = c(1.0) + z * (c(5.0 / 44.0) + z * (c(1.0 / 792.0) + z * c(1.0 / 665_280.0)));
     let b = r * (c(0.5) + z * (c(1.0 / 66.0) + z * c(1.0 / 15_840.0)));
-    (a + b).over(a - b) * k.power_of_two()
+    (a, b, k.power_of_two())
 }
 
 #[cfg(test)]

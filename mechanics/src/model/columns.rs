@@ -117,14 +117,8 @@ impl Columns {
         }
         let mut columns = Self::RIGID;
         for word in words {
-            let named: Vec<Term> = known
-                .iter()
-                .copied()
-                .filter(|term| {
-                    let name = term.entry().name;
-                    name == word || (word == FRICTION && FRICTION_NAMES.contains(&name))
-                })
-                .collect();
+            let has_name = |name: &'static str| name == word || (word == FRICTION && FRICTION_NAMES.contains(&name));
+            let named: Vec<Term> = known.iter().copied().filter(|term| has_name(term.entry().name)).collect();
             if named.is_empty() {
                 return None;
             }

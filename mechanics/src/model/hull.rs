@@ -105,6 +105,14 @@ impl Hull {
         self.points.iter().map(|p| direction.dot(p)).fold(f64::NEG_INFINITY, f64::max) + self.margin
     }
 
+    /// Half the lengths of the box around the body, along the axes of the frame, m.
+    pub fn half_box(&self) -> Vector3<f64> {
+        Vector3::from_fn(|axis, _| {
+            let n = Vector3::ith(axis, 1.0);
+            0.5 * (self.extent(&n) + self.extent(&-n))
+        })
+    }
+
     /// The middle of the box around the points, along the axes of the frame.
     pub fn middle(&self) -> Vector3<f64> {
         let along = |axis: usize| {
@@ -124,14 +132,11 @@ impl Hull {
         let found = SymmetricEigen::new(scatter);
         let axis: Vector3<f64> = found.eigenvectors.column(found.eigenvalues.imax()).into_owned();
         // Of each point the place along the line and the distance across.
-        let places: Vec<(f64, f64)> = self
-            .points
-            .iter()
-            .map(|p| {
-                let along = axis.dot(&(p - middle));
-                (along, (p - middle - axis * along).norm())
-            })
-            .collect();
+        let place = |p: &Vector3<f64>| {
+            let along = axis.dot(&(p - middle));
+            (along, (p - middle - axis * along).norm())
+        };
+        let places: Vec<(f64, f64)> = self.points.iter().map(place).collect();
         let radius = places.iter().map(|place| place.1).fold(0.0, f64::max);
         // The round ends reach this much further where a point lies closer to the line.
         let rest = |across: f64| (radius * radius - across * across).max(0.0).sqrt();

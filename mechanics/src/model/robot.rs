@@ -75,28 +75,12 @@ pub struct Robot {
 crate::plain::checked_when_read!(Robot, Robot::checked);
 
 impl Robot {
-    /// The same robot through the checks of a specification.
+    /// Returns this robot if it passes the checks of a specification.
     fn checked(self) -> Result<Self, RobotError> {
-        let Self {
-            name,
-            gravity,
-            base,
-            joints,
-            axes: _,
-            coupling,
-            shapes,
-            obstacles,
-            may_touch,
-            points,
-            effort,
-            servo,
-            uncertainty,
-            source_sha256,
-        } = self;
-        servo.as_ref().map_or(Ok(()), check_servo)?;
-        check_points(&points, joints.len())?;
-        let spec = RobotSpec { name, gravity, base, joints, coupling, shapes, obstacles, may_touch };
-        Ok(Self { points, effort, servo, uncertainty, source_sha256, ..Self::new(spec)? })
+        self.servo.as_ref().map_or(Ok(()), check_servo)?;
+        check_points(&self.points, self.joints.len())?;
+        let axes = Self::new(self.clone().into_spec())?.axes;
+        Ok(Self { axes, ..self })
     }
 
     /// Checks a specification.
@@ -209,7 +193,7 @@ impl Robot {
         &self.uncertainty
     }
 
-    /// The same robot with this declared uncertainty.
+    /// Returns this robot with this declared uncertainty.
     #[must_use]
     pub fn with_uncertainty(mut self, uncertainty: DeclaredUncertainty) -> Self {
         self.uncertainty = uncertainty;
@@ -221,7 +205,7 @@ impl Robot {
         &self.points
     }
 
-    /// The same robot with these named points.
+    /// Returns this robot with these named points.
     ///
     /// # Panics
     /// If a point is on a link that does not exist.
@@ -244,21 +228,21 @@ impl Robot {
         &self.source_sha256
     }
 
-    /// The same robot as read from this text.
+    /// Returns this robot as read from this text.
     #[must_use]
     pub fn read_from(mut self, text: &str) -> Self {
         self.source_sha256 = sha256(text);
         self
     }
 
-    /// The same robot with another obstacle in its way.
+    /// Returns this robot with another obstacle in its way.
     #[must_use]
     pub fn with_obstacle(mut self, obstacle: Obstacle) -> Self {
         self.obstacles.push(obstacle);
         self
     }
 
-    /// The same robot with other shapes of its links, and other pairs of links (0 is the base, the lower first) that may touch.
+    /// Returns this robot with other shapes of its links, and other pairs of links (0 is the base, the lower first) that may touch.
     ///
     /// # Errors
     /// [`RobotError`] if a shape is not possible, or a link does not exist.
@@ -281,7 +265,7 @@ impl Robot {
         self.servo.as_ref()
     }
 
-    /// The same robot with other drives, one for each joint.
+    /// Returns this robot with other drives, one for each joint.
     ///
     /// # Panics
     /// If there is not one drive for each joint.
@@ -294,21 +278,21 @@ impl Robot {
         self
     }
 
-    /// The same robot with another effort interface.
+    /// Returns this robot with another effort interface.
     #[must_use]
     pub fn with_effort(mut self, effort: EffortInterface) -> Self {
         self.effort = effort;
         self
     }
 
-    /// The same robot with another tuning of its servo.
+    /// Returns this robot with another tuning of its servo.
     #[must_use]
     pub fn with_servo(mut self, servo: ServoTuning) -> Self {
         self.servo = Some(servo);
         self
     }
 
-    /// The same robot with every joint changed, as for other limits or another friction law.
+    /// Returns this robot with every joint changed, as for other limits or another friction law.
     ///
     /// # Errors
     /// [`RobotError`] if a joint is no longer possible.
@@ -324,14 +308,11 @@ impl Robot {
     /// Pose of every link's frame in the base frame at joint coordinates `q` (n).
     pub fn poses(&self, q: &[f64]) -> Vec<Placement> {
         let mut pose = Placement::identity();
-        self.joints
-            .iter()
-            .zip(q)
-            .map(|(joint, &q)| {
-                pose = pose.compose(&joint.placement(q));
-                pose
-            })
-            .collect()
+        let next = |(joint, &q): (&Joint, &f64)| {
+            pose = pose.compose(&joint.placement(q));
+            pose
+        };
+        self.joints.iter().zip(q).map(next).collect()
     }
 
     /// Index of the joint with this name.
@@ -339,7 +320,7 @@ impl Robot {
         self.joints.iter().position(|joint| joint.name == name)
     }
 
-    /// The same robot with another gravity in the world frame, m/s².
+    /// Returns this robot with another gravity in the world frame, m/s².
     #[must_use]
     pub fn with_gravity(mut self, gravity: Vector3<f64>) -> Self {
         self.gravity = gravity;

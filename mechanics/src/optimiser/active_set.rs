@@ -18,7 +18,7 @@ use super::vectors::{axpy, dot};
 /// primal space: above what rounding leaves of a difference.
 const INDEPENDENCE: f64 = 1e-12;
 
-/// The same for a row that is only likely to be active: a nearly dependent one is better taken in by a step of its own.
+/// Independence asked of a row that is only likely to be active: a nearly dependent one is better taken in by a step of its own.
 const WARM_INDEPENDENCE: f64 = 1e-10;
 
 /// The state of the dual method.

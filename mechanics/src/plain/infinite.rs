@@ -7,7 +7,7 @@ pub fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Er
     Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
 }
 
-/// The same of a number that older files lack, which is then `None`: where the key is, there is a number.
+/// +∞ for `null`, of a number that older files lack, which is then `None`: where the key is, there is a number.
 pub fn present_positive<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
     positive(deserializer).map(Some)
 }
@@ -28,7 +28,7 @@ pub fn range<'de, D: Deserializer<'de>>(deserializer: D) -> Result<(f64, f64), D
     Ok((low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)))
 }
 
-/// The same as an array.
+/// A range as an array.
 pub fn interval<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 2], D::Error> {
     range(deserializer).map(|(low, high)| [low, high])
 }

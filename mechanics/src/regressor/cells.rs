@@ -4,12 +4,9 @@ use pulp::Simd;
 
 use super::body::BodyRegressor;
 use super::joint_torque::JointTorqueRegressor;
-use crate::dynamics::States;
+use crate::dynamics::{TOGETHER, Together};
 use crate::lanes::Wide;
 use crate::spatial::LaneMotion;
-
-/// Blocks that are worked on together: a whole number of lanes of any processor.
-pub(super) const TOGETHER: usize = 8;
 
 /// A number of each block, in a cache line of its own, so that no access touches two.
 #[derive(Clone, Copy)]
@@ -224,33 +221,5 @@ fn add_entry<S: Simd, const FIRST: bool>(
         let sum = &mut S::as_mut_simd_f64s(&mut sum.0).0[vector];
         let entry = body.entry(axis, c).x;
         *sum = if FIRST { entry } else { simd.add_f64s(*sum, entry) };
-    }
-}
-
-/// One sample of each of the blocks that are worked on, joint by joint.
-pub(super) struct Together {
-    q: Vec<[f64; TOGETHER]>,
-    qd: Vec<[f64; TOGETHER]>,
-    qdd: Vec<[f64; TOGETHER]>,
-}
-
-impl Together {
-    /// Of n joints.
-    pub(super) fn new(n: usize) -> Self {
-        let zeros = vec![[0.0; TOGETHER]; n];
-        Self { q: zeros.clone(), qd: zeros.clone(), qdd: zeros }
-    }
-
-    /// The samples `first`, `first + step`, …, `count` of them; the last again in the places beyond.
-    pub(super) fn fill(&mut self, states: &States, first: usize, step: usize, count: usize) {
-        for lane in 0..TOGETHER {
-            let k = first + lane.min(count - 1) * step;
-            for (to, from) in [(&mut self.q, states.q(k)), (&mut self.qd, states.qd(k)), (&mut self.qdd, states.qdd(k))]
-            {
-                for (to, &from) in to.iter_mut().zip(from) {
-                    to[lane] = from;
-                }
-            }
-        }
     }
 }

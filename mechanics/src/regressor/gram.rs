@@ -9,9 +9,9 @@
 use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::cells::{Line, TOGETHER};
+use super::cells::Line;
 use super::joint_torque::JointTorqueRegressor;
-use crate::dynamics::States;
+use crate::dynamics::{States, TOGETHER};
 use crate::linalg::Gram;
 
 /// Lines of eight samples that are held of each joint and column: those of one joint fit into the first cache.

@@ -85,7 +85,7 @@ impl JointTorqueRegressor {
         }
     }
 
-    /// The same with other parameters of the links, 10 n, by which the torque is found that terms may depend on.
+    /// Returns this regressor with other parameters of the links, 10 n, by which the torque is found that terms may depend on.
     #[must_use]
     pub fn with_links(&self, links: &[f64]) -> Self {
         let links = if self.terms.needs_load() { links.to_vec() } else { Vec::new() };

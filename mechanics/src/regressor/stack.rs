@@ -9,9 +9,9 @@
 use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::cells::{Cells, TOGETHER, Together};
+use super::cells::Cells;
 use super::joint_torque::JointTorqueRegressor;
-use crate::dynamics::States;
+use crate::dynamics::{States, TOGETHER, Together};
 use crate::lanes::Wide;
 use crate::spatial::{LaneMotion, Motion};
 

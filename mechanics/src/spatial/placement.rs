@@ -96,13 +96,6 @@ impl Placement {
         }
     }
 
-    /// A motion given in the child, expressed in the parent.
-    #[inline]
-    pub fn motion_to_parent(&self, motion: &Motion) -> Motion {
-        let ang = self.rotation * motion.ang;
-        Motion { ang, lin: self.rotation * motion.lin + self.translation.cross(&ang) }
-    }
-
     /// A force given in the child, expressed in the parent: `f' = R f`, `n' = R n + p × f'`. `radkhah2007` eq. 4.
     #[inline]
     pub fn force_to_parent(&self, force: &Force) -> Force {
@@ -128,7 +121,7 @@ mod tests {
         let one = x.compose(&x.inverse());
         assert!((one.rotation - Matrix3::identity()).norm() < 1e-15 && one.translation.norm() < 1e-15);
         let m = Motion::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(-0.5, 0.2, 0.9));
-        let back = x.motion_to_parent(&x.motion_to_child(&m));
+        let back = x.inverse().motion_to_child(&x.motion_to_child(&m));
         assert!((back.ang - m.ang).norm() < 1e-14 && (back.lin - m.lin).norm() < 1e-14);
     }
 

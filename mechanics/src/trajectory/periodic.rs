@@ -91,7 +91,7 @@ impl PeriodicTrajectory {
         self.motion_mut().adjust(joint, factor, shift);
     }
 
-    /// The same path at `part` of the speed: period T/part, velocities times part, accelerations times part².
+    /// Returns this path at `part` of the speed: period T/part, velocities times part, accelerations times part².
     #[must_use]
     pub fn at_speed(&self, part: f64) -> Self {
         let mut slowed = self.clone();

@@ -10,6 +10,9 @@ use crate::DocumentError;
 /// unfolds what is folded.
 const STYLE: &str = include_str!("page.css");
 
+/// Sorts a table by the column whose heading is clicked, or chosen with the Enter key. The page is whole without it.
+const SORTING: &str = include_str!("page.js");
+
 /// Numbers handed out while the page is written.
 #[derive(Default)]
 struct Counters {
@@ -85,6 +88,7 @@ fn render(document: &Document) -> String {
                         }
                     }
                 }
+                script { (PreEscaped(SORTING)) }
             }
         }
     };
@@ -138,7 +142,7 @@ fn render_figure(figure: &RenderedFigure, number: usize) -> Markup {
     html! {
         figure id={ "figure-" (figure.name) } {
             // Written by this crate, escaped where it was written.
-            (PreEscaped(&figure.svg))
+            div.scroll { (PreEscaped(&figure.svg)) }
             figcaption {
                 strong { "Figure " (number) "." } " "
                 @if figure.caption.trim().is_empty() { (marked(&figure.title)) } @else { (marked(&figure.caption)) }

@@ -1,7 +1,7 @@
 //! The parts of a document.
 
 use super::Table;
-use crate::{DocumentError, Figure};
+use crate::{DocumentError, Drawing, Figure, Sheet};
 
 /// A report: title, summary, sections, and what produced it.
 ///
@@ -57,7 +57,7 @@ pub enum Block {
 }
 
 /// A figure that has been drawn.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RenderedFigure {
     /// Stem of its file name.
     pub name: String,
@@ -65,8 +65,10 @@ pub struct RenderedFigure {
     pub title: String,
     /// What each mark means.
     pub caption: String,
-    /// One SVG element.
+    /// One SVG element, for a screen.
     pub svg: String,
+    /// The figure for a column and a page of a journal.
+    papers: Box<[Drawing; 2]>,
 }
 
 impl RenderedFigure {
@@ -77,6 +79,7 @@ impl RenderedFigure {
     pub fn draw(figure: &dyn Figure) -> Result<Self, DocumentError> {
         Ok(Self {
             svg: figure.svg()?,
+            papers: Box::new([figure.draw(Sheet::Column)?, figure.draw(Sheet::Page)?]),
             name: figure.name().to_owned(),
             title: figure.title().to_owned(),
             caption: figure.caption().to_owned(),
@@ -134,7 +137,7 @@ impl Document {
         Self { title: title.into(), ..Self::default() }
     }
 
-    /// The same document with a line under the title.
+    /// Returns this document with a line under the title.
     #[must_use]
     pub fn subtitle(mut self, subtitle: impl Into<String>) -> Self {
         self.subtitle = subtitle.into();
@@ -177,6 +180,28 @@ impl Document {
     pub fn svg_files(&self) -> Result<Vec<(String, &str)>, DocumentError> {
         self.check_names()?;
         Ok(self.figures().map(|figure| (format!("{}.svg", figure.name), figure.svg.as_str())).collect())
+    }
+
+    /// The figures for a sheet as files: name with extension, content. On paper, each is an SVG and a PDF.
+    ///
+    /// # Errors
+    /// [`DocumentError::DuplicateFigure`] where two figures have one name.
+    pub fn files(&self, sheet: Sheet) -> Result<Vec<(String, Vec<u8>)>, DocumentError> {
+        self.check_names()?;
+        let mut files = Vec::new();
+        for figure in self.figures() {
+            let drawing = match sheet {
+                Sheet::Screen => {
+                    files.push((format!("{}.svg", figure.name), figure.svg.clone().into_bytes()));
+                    continue;
+                }
+                Sheet::Column => &figure.papers[0],
+                Sheet::Page => &figure.papers[1],
+            };
+            files.push((format!("{}.svg", figure.name), drawing.svg()?.into_bytes()));
+            files.push((format!("{}.pdf", figure.name), drawing.pdf()));
+        }
+        Ok(files)
     }
 
     /// Whether every figure has a name of its own.

@@ -1,7 +1,7 @@
 //! Tables: named columns with units, one cell per column in every row.
 
 use crate::DocumentError;
-use crate::drawing::ticks::{plain, powered_in_full};
+use crate::drawing::ticks::{plain, significant};
 
 /// A table with a caption.
 ///
@@ -98,20 +98,6 @@ impl Cell {
     }
 }
 
-/// `value` rounded to `digits` significant digits.
-fn significant(value: f64, digits: usize) -> String {
-    if value.abs() <= 0.0 {
-        return "0".to_owned();
-    }
-    // Rounding may carry into the next power of ten, so the exponent is read off the rounded number.
-    let rounded = format!("{:.*e}", digits - 1, value.abs());
-    let exponent: i32 = rounded.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0);
-    if !(-4..6).contains(&exponent) {
-        return powered_in_full(value, digits - 1);
-    }
-    plain(value, (digits as i32 - 1 - exponent).max(0) as usize)
-}
-
 impl Column {
     /// Columns by their headings, between bars: `#` begins that of numbers, whose unit may stand behind it in brackets.
     ///
@@ -180,7 +166,7 @@ impl Table {
 
 #[cfg(test)]
 mod tests {
-    use super::significant;
+    use crate::drawing::ticks::significant;
 
     #[test]
     fn analytic_significant_digits() {

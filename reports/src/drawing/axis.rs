@@ -44,7 +44,7 @@ impl Axis {
         Self { scale: Scale::Log, ..Self::linear(label, unit) }
     }
 
-    /// The same axis, which also reaches `values`.
+    /// Returns this axis, which also reaches `values`.
     #[must_use]
     pub fn including(mut self, values: &[f64]) -> Self {
         self.include.extend_from_slice(values);
@@ -96,7 +96,7 @@ impl Span {
         })
     }
 
-    /// The same span, widened so that `low_px` and `high_px` of `length_px` are free at its ends.
+    /// Returns this span, widened so that `low_px` and `high_px` of `length_px` are free at its ends.
     pub(crate) fn with_room(self, low_px: f64, high_px: f64, length_px: f64) -> Self {
         let free = (length_px - low_px - high_px).max(0.2 * length_px);
         match self.scale {

@@ -9,14 +9,16 @@ use plotters::prelude::DrawingBackend;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontFamily, FontStyle, FontTransform, IntoFont, RGBAColor, ShapeStyle, TextStyle};
 
-use super::colour::Colour;
+use super::colour::{Colour, dark_style};
+use super::drawn::Drawing;
+use super::sheet::Sheet;
 use super::typeface::Font;
 use crate::FigureError;
 use crate::heading::Heading;
 use crate::style::Marker;
 
 /// Units of the view box per pixel.
-const UNITS: f64 = 10.0;
+pub(super) const UNITS: f64 = 10.0;
 
 /// Colour and width of a stroke, or of a filled shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,14 +79,44 @@ impl Rect {
     }
 }
 
-enum Shape {
-    Line { points: Vec<(i32, i32)>, ink: Ink, dashes: &'static [f64] },
-    Area { points: Vec<(i32, i32)>, ink: Ink },
-    Disc { centre: (i32, i32), radius: u32, ink: Ink, filled: bool },
-    Text { text: String, at: (i32, i32), font: Font, colour: Colour, align: Align, upwards: bool },
+/// What a picture is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Shape {
+    Line {
+        points: Vec<(i32, i32)>,
+        ink: Ink,
+        dashes: &'static [f64],
+    },
+    Area {
+        points: Vec<(i32, i32)>,
+        ink: Ink,
+    },
+    Disc {
+        centre: (i32, i32),
+        radius: u32,
+        ink: Ink,
+        filled: bool,
+    },
+    Dots {
+        centres: Vec<(i32, i32)>,
+        radius: u32,
+        ink: Ink,
+    },
+    Text {
+        text: String,
+        at: (i32, i32),
+        font: Font,
+        colour: Colour,
+        align: Align,
+        upwards: bool,
+    },
+    /// What follows shows this text under the pointer, until the end.
+    Hover(String),
+    HoverEnd,
 }
 
 /// The shapes of one picture, in the order in which they are painted.
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Canvas {
     width: f64,
     height: f64,
@@ -101,6 +133,19 @@ impl Canvas {
         let mut canvas = Self { width, height, shapes: Vec::new() };
         canvas.rectangle(&Rect { left: 0.0, top: 0.0, right: width, bottom: height }, Ink::new(Colour::WHITE, 0.0));
         canvas
+    }
+
+    /// Width, px.
+    pub(crate) const fn width(&self) -> f64 {
+        self.width
+    }
+
+    pub(super) const fn height(&self) -> f64 {
+        self.height
+    }
+
+    pub(super) fn shapes(&self) -> &[Shape] {
+        &self.shapes
     }
 
     pub(crate) fn line(&mut self, from: (f64, f64), to: (f64, f64), ink: Ink) {
@@ -176,6 +221,19 @@ impl Canvas {
         self.text(text, at, font, colour, Align::Middle);
     }
 
+    /// Many discs as one element: half the size of a page of markers, and a tenth when it is printed.
+    pub(crate) fn dots(&mut self, centres: &[(f64, f64)], radius: f64, ink: Ink) {
+        let centres = centres.iter().map(|&centre| units(centre)).collect();
+        self.shapes.push(Shape::Dots { centres, radius: (radius * UNITS).round() as u32, ink });
+    }
+
+    /// What `draw` adds shows `text` under the pointer.
+    pub(crate) fn hover(&mut self, text: &str, draw: impl FnOnce(&mut Self)) {
+        self.shapes.push(Shape::Hover(printable(text)));
+        draw(self);
+        self.shapes.push(Shape::HoverEnd);
+    }
+
     /// A marker of about `radius` px with a thin white rim that keeps neighbours apart.
     pub(crate) fn marker(&mut self, marker: Marker, at: (f64, f64), radius: f64, colour: Colour, opacity: f64) {
         let rim = 0.8;
@@ -226,8 +284,13 @@ impl Canvas {
         }
     }
 
+    /// The picture with its heading, on the sheet whose width it has.
+    pub(crate) fn finish(self, heading: &Heading, sheet: Sheet) -> Drawing {
+        Drawing { canvas: self, heading: heading.clone(), sheet }
+    }
+
     /// The picture as one SVG element; equal shapes give equal bytes.
-    pub(crate) fn finish(self, heading: &Heading) -> Result<String, FigureError> {
+    pub(super) fn svg(&self, heading: &Heading, sheet: Sheet) -> Result<String, FigureError> {
         let size = units((self.width, self.height));
         let mut body = String::new();
         for shape in &self.shapes {
@@ -236,12 +299,16 @@ impl Canvas {
             body.push_str(&element);
         }
         let name = &heading.name;
+        let [width, height] = match sheet.millimetres() {
+            None => [self.width, self.height].map(|length| length.round().to_string()),
+            Some(mm) => [mm, mm * self.height / self.width].map(|length| format!("{length:.2}mm")),
+        };
+        // Paper is white.
+        let style = if sheet == Sheet::Screen { dark_style() } else { String::new() };
         Ok(format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"0 0 {} {}\" role=\"img\" stroke-linejoin=\"round\" \
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" role=\"img\" stroke-linejoin=\"round\" \
              aria-labelledby=\"{name}-title {name}-desc\">\n<title id=\"{name}-title\">{}</title>\n\
-             <desc id=\"{name}-desc\">{}</desc>\n{body}</svg>\n",
-            self.width.round(),
-            self.height.round(),
+             <desc id=\"{name}-desc\">{}</desc>\n{style}{body}</svg>\n",
             size.0,
             size.1,
             escape(&heading.title),
@@ -252,6 +319,12 @@ impl Canvas {
 
 /// One shape as an SVG element, without the picture that the writer puts around it.
 fn element(shape: &Shape) -> Result<String, String> {
+    match shape {
+        Shape::Hover(text) => return Ok(format!("<g><title>{}</title>\n", escape(text))),
+        Shape::HoverEnd => return Ok("</g>\n".to_owned()),
+        Shape::Dots { centres, radius, ink } => return Ok(dots(centres, *radius, *ink)),
+        _ => {}
+    }
     let mut written = String::new();
     {
         let mut backend = SVGBackend::with_string(&mut written, (1, 1));
@@ -270,6 +343,15 @@ fn element(shape: &Shape) -> Result<String, String> {
         }
         _ => element,
     })
+}
+
+/// Strokes without length, whose round ends are the discs. The writer has no such element.
+fn dots(centres: &[(i32, i32)], radius: u32, Ink { colour: Colour(red, green, blue), opacity, .. }: Ink) -> String {
+    let path: String = centres.iter().map(|(x, y)| format!("M{x} {y}h0")).collect();
+    let width = 2 * radius;
+    format!(
+        "<path fill=\"none\" opacity=\"{opacity}\" stroke=\"#{red:02X}{green:02X}{blue:02X}\" stroke-width=\"{width}\" stroke-linecap=\"round\" d=\"{path}\"/>\n"
+    )
 }
 
 fn paint(backend: &mut SVGBackend<'_>, shape: &Shape) -> Result<(), String> {
@@ -297,6 +379,7 @@ fn paint(backend: &mut SVGBackend<'_>, shape: &Shape) -> Result<(), String> {
             let at = if *upwards { (at.0 + drop, at.1) } else { (at.0, at.1 + drop) };
             backend.draw_text(text, &style, at)
         }
+        Shape::Dots { .. } | Shape::Hover(_) | Shape::HoverEnd => Ok(()),
     };
     painted.map_err(|error| error.to_string())
 }

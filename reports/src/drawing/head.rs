@@ -2,12 +2,18 @@
 
 use super::canvas::{Align, Canvas, Ink, Rect};
 use super::colour::Colour;
+use super::sheet::Sheet;
 use super::typeface::Font;
 use crate::heading::Heading;
 use crate::style::{Dash, GroupStyle};
 
-/// Width of every figure, px.
-pub(crate) const WIDTH: f64 = 900.0;
+/// Width of most figures on a screen, px.
+const WIDTH: f64 = 900.0;
+/// Width of a figure on a sheet, px.
+pub(crate) fn width_on(sheet: Sheet) -> f64 {
+    sheet.width(WIDTH, Font::TICK.size)
+}
+
 /// Space left free at the left and right edge, px.
 pub(crate) const MARGIN: f64 = 12.0;
 
@@ -67,8 +73,8 @@ pub(crate) struct Head {
 }
 
 impl Head {
-    pub(crate) fn new(heading: &Heading, entries: &[Entry]) -> Self {
-        let room = WIDTH - 2.0 * MARGIN;
+    pub(crate) fn new(heading: &Heading, entries: &[Entry], sheet: Sheet) -> Self {
+        let room = width_on(sheet) - 2.0 * MARGIN;
         let title = Font::TITLE.wrap(&heading.title, room, 3);
         let subtitle = Font::SUBTITLE.wrap(&heading.subtitle, room, 3);
         let mut legend: Vec<Vec<Entry>> = Vec::new();

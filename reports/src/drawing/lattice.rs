@@ -3,7 +3,8 @@
 use super::axis::{Axis, Span};
 use super::canvas::{Align, Canvas, Ink, Rect};
 use super::colour::Colour;
-use super::head::{Entry, Head, MARGIN, WIDTH};
+use super::head::{Entry, Head, MARGIN, width_on};
+use super::sheet::Sheet;
 use super::ticks::{Tick, minor_ticks, ticks};
 use super::typeface::Font;
 use crate::heading::Heading;
@@ -28,6 +29,8 @@ pub(crate) struct Arrangement {
     pub(crate) share_x: bool,
     /// All panels have one y span: numbers stand beside the leftmost of each row only.
     pub(crate) share_y: bool,
+    /// What they are drawn on. A column of a journal has one panel in a row.
+    pub(crate) sheet: Sheet,
 }
 
 /// A plot area with its spans.
@@ -90,8 +93,10 @@ pub(crate) fn lattice(
     panels: &[Panel<'_>],
     arrangement: Arrangement,
 ) -> (Canvas, Vec<Plot>) {
-    let head = Head::new(heading, legend);
-    let columns = arrangement.columns.clamp(1, panels.len().max(1));
+    let head = Head::new(heading, legend, arrangement.sheet);
+    let width = width_on(arrangement.sheet);
+    let columns = arrangement.sheet.panels(arrangement.columns.clamp(1, panels.len().max(1)), 1);
+    let plot_height = arrangement.plot_height.min(0.62 * width);
     let rows = panels.len().div_ceil(columns);
     let one_x_label = panels.windows(2).all(|pair| pair[0].x.text() == pair[1].x.text());
     let one_y_label = panels.windows(2).all(|pair| pair[0].y.text() == pair[1].y.text());
@@ -102,8 +107,7 @@ pub(crate) fn lattice(
     let label_x = |index: usize| !one_x_label || lowest(index);
     let label_y = |index: usize| !one_y_label || leftmost(index);
 
-    let all_y_ticks: Vec<Vec<Tick>> =
-        panels.iter().map(|panel| y_ticks(&panel.y_span, arrangement.plot_height)).collect();
+    let all_y_ticks: Vec<Vec<Tick>> = panels.iter().map(|panel| y_ticks(&panel.y_span, plot_height)).collect();
     let mut lefts = vec![0.0_f64; columns];
     let (mut tops, mut bottoms) = (vec![0.0_f64; rows], vec![0.0_f64; rows]);
     for (index, panel) in panels.iter().enumerate() {
@@ -116,10 +120,10 @@ pub(crate) fn lattice(
         tops[row] = tops[row].max(if panel.title.trim().is_empty() { 10.0 } else { 26.0 });
     }
     let (gap, right_edge) = (26.0, 26.0);
-    let free = WIDTH - MARGIN - right_edge - lefts.iter().sum::<f64>() - gap * (columns - 1) as f64;
+    let free = width - MARGIN - right_edge - lefts.iter().sum::<f64>() - gap * (columns - 1) as f64;
     let plot_width = (free / columns as f64).max(40.0);
-    let inner: f64 = tops.iter().sum::<f64>() + bottoms.iter().sum::<f64>() + arrangement.plot_height * rows as f64;
-    let mut canvas = Canvas::new(WIDTH, head.height + inner + 8.0);
+    let inner: f64 = tops.iter().sum::<f64>() + bottoms.iter().sum::<f64>() + plot_height * rows as f64;
+    let mut canvas = Canvas::new(width, head.height + inner + 8.0);
     head.draw(&mut canvas);
 
     let mut plots = Vec::with_capacity(panels.len());
@@ -131,7 +135,7 @@ pub(crate) fn lattice(
             left += lefts[column];
             let index = row * columns + column;
             if let Some(panel) = panels.get(index) {
-                let area = Rect { left, top, right: left + plot_width, bottom: top + arrangement.plot_height };
+                let area = Rect { left, top, right: left + plot_width, bottom: top + plot_height };
                 let plot = Plot { area, x: panel.x_span, y: panel.y_span };
                 grid(
                     &mut canvas,
@@ -148,7 +152,7 @@ pub(crate) fn lattice(
                     canvas.text(&text, (area.centre().0, y), Font::LABEL, Colour::TEXT, Align::Middle);
                 }
                 if label_y(index) {
-                    let text = Font::LABEL.fit(&panel.y.text(), arrangement.plot_height + 24.0);
+                    let text = Font::LABEL.fit(&panel.y.text(), plot_height + 24.0);
                     let x = left - lefts[column] + 8.0;
                     canvas.text_upwards(&text, (x, area.centre().1), Font::LABEL, Colour::TEXT, Align::Middle);
                 }
@@ -156,7 +160,7 @@ pub(crate) fn lattice(
             }
             left += plot_width + gap;
         }
-        top += arrangement.plot_height + bottoms[row];
+        top += plot_height + bottoms[row];
     }
     (canvas, plots)
 }
@@ -194,7 +198,7 @@ fn grid(canvas: &mut Canvas, plot: &Plot, x_ticks: &[Tick], y_ticks: &[Tick], nu
     if numbers.0 {
         for tick in x_ticks {
             let half = 0.5 * Font::TICK.width(&tick.label);
-            let x = plot.x_at(tick.value).clamp(half + 2.0, (WIDTH - half - 2.0).max(half + 2.0));
+            let x = plot.x_at(tick.value).clamp(half + 2.0, (canvas.width() - half - 2.0).max(half + 2.0));
             canvas.text(&tick.label, (x, area.bottom + 14.0), Font::TICK, Colour::TEXT, Align::Middle);
         }
     }

@@ -5,8 +5,9 @@
 use super::axis::{Axis, Span};
 use super::canvas::{Align, Canvas, Ink, Rect};
 use super::colour::Colour;
-use super::head::{self, Entry, Head, MARGIN, Swatch, WIDTH};
+use super::head::{self, Entry, Head, MARGIN, Swatch, width_on};
 use super::lattice::x_ticks;
+use super::sheet::Sheet;
 use super::typeface::Font;
 use crate::heading::Heading;
 use crate::style::Dash;
@@ -100,20 +101,23 @@ impl Rows {
         (lanes, lane_px): (usize, f64),
         (axis, span): (&Axis, Span),
         background: &Background<'_>,
+        sheet: Sheet,
     ) -> Self {
-        let columns = if names.len() > ONE_COLUMN { 2 } else { 1 };
+        let whole = width_on(sheet);
+        let columns = sheet.panels(if names.len() > ONE_COLUMN { 2 } else { 1 }, 1);
         let rows_per_area = names.len().div_ceil(columns);
         let row_px = (lanes as f64 * lane_px + 8.0).max(21.0);
-        let head = Head::new(heading, legend);
+        let head = Head::new(heading, legend, sheet);
         let name_room = WIDEST_NAME / columns as f64 + 20.0 * (2 - columns) as f64;
-        let widest = names.iter().map(|name| Font::TICK.width(name)).fold(0.0, f64::max).min(name_room);
+        let widest =
+            names.iter().map(|name| Font::TICK.width(name)).fold(0.0, f64::max).min(name_room).min(0.4 * whole);
         let (gap, right_edge) = (22.0, 26.0);
         let outer = MARGIN + right_edge + gap * (columns - 1) as f64;
-        let width = (WIDTH - outer) / columns as f64 - widest - 10.0;
+        let width = (whole - outer) / columns as f64 - widest - 10.0;
         let tall = rows_per_area as f64 * row_px > TALL;
         let top = head.height + if tall { 26.0 } else { 6.0 };
         let bottom = top + rows_per_area as f64 * row_px;
-        let mut canvas = Canvas::new(WIDTH, bottom + 54.0);
+        let mut canvas = Canvas::new(whole, bottom + 54.0);
         head.draw(&mut canvas);
         let areas: Vec<Rect> = (0..columns)
             .map(|column| {
@@ -175,7 +179,7 @@ impl Rows {
                 let x = self.x(index, tick.value);
                 self.canvas.line((x, area.bottom), (x, area.bottom + 4.0), mark);
                 let half = 0.5 * Font::TICK.width(&tick.label);
-                let x = x.clamp(half + 2.0, (WIDTH - half - 2.0).max(half + 2.0));
+                let x = x.clamp(half + 2.0, (self.canvas.width() - half - 2.0).max(half + 2.0));
                 self.canvas.text(&tick.label, (x, area.bottom + 14.0), Font::TICK, Colour::TEXT, Align::Middle);
                 if both_ends {
                     self.canvas.text(&tick.label, (x, area.top - 10.0), Font::TICK, Colour::TEXT, Align::Middle);

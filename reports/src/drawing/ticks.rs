@@ -161,6 +161,20 @@ pub(crate) fn plain(value: f64, decimals: usize) -> String {
     text
 }
 
+/// `value` rounded to `digits` significant digits.
+pub(crate) fn significant(value: f64, digits: usize) -> String {
+    if value.abs() <= 0.0 {
+        return "0".to_owned();
+    }
+    // Rounding may carry into the next power of ten, so the exponent is read off the rounded number.
+    let rounded = format!("{:.*e}", digits - 1, value.abs());
+    let exponent: i32 = rounded.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0);
+    if !(-4..6).contains(&exponent) {
+        return powered_in_full(value, digits - 1);
+    }
+    plain(value, (digits as i32 - 1 - exponent).max(0) as usize)
+}
+
 /// Fixed-point digits, or a power of ten where they would be too many to read.
 pub(crate) fn compact(value: f64, decimals: usize) -> String {
     if value.abs() < 1e6 { plain(value, decimals.min(12)) } else { powered(value, 2) }

@@ -6,9 +6,11 @@ use crate::drawing::axis::{Axis, Scale, Span};
 use crate::drawing::canvas::{Align, Ink, Rect};
 use crate::drawing::check::Check;
 use crate::drawing::colour::Colour;
+use crate::drawing::drawn::Drawing;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::rows::{Background, Level, Rows};
-use crate::drawing::ticks::compact;
+use crate::drawing::sheet::Sheet;
+use crate::drawing::ticks::{compact, significant};
 use crate::drawing::typeface::Font;
 use crate::heading::Heading;
 use crate::style::Group;
@@ -67,7 +69,7 @@ impl Bar {
         Self { value, interval: None }
     }
 
-    /// The same bar with an error bar from `low` to `high`.
+    /// Returns this bar with an error bar from `low` to `high`.
     #[must_use]
     pub fn interval(self, low: f64, high: f64) -> Self {
         Self { interval: Some((low, high)), ..self }
@@ -80,7 +82,7 @@ impl Bar {
 }
 
 impl BarFigure {
-    fn check(&self) -> Result<Span, FigureError> {
+    fn check(&self, sheet: Sheet) -> Result<Span, FigureError> {
         let check = Check::heading(&self.heading)?;
         check.axis("the value axis", &Axis { scale: Scale::Linear, ..self.value.clone() })?;
         check.count("the list of groups", self.groups.len(), 8)?;
@@ -109,7 +111,8 @@ impl BarFigure {
         });
         let (below, above) = (bars().any(|bar| bar.value < 0.0), bars().any(|bar| bar.value >= 0.0));
         let room = |wanted: bool| if wanted { widest } else { 0.0 };
-        Ok(span.with_room(room(below), room(above), if self.rows.len() > 20 { 340.0 } else { 600.0 }))
+        let share = if self.rows.len() > 20 && sheet != Sheet::Column { 340.0 / 900.0 } else { 600.0 / 900.0 };
+        Ok(span.with_room(room(below), room(above), share * head::width_on(sheet)))
     }
 
     fn background(&self) -> Background<'_> {
@@ -122,8 +125,8 @@ impl Figure for BarFigure {
         &self.heading
     }
 
-    fn svg(&self) -> Result<String, FigureError> {
-        let span = self.check()?;
+    fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
+        let span = self.check(sheet)?;
         let mut legend = Vec::new();
         if self.groups.len() > 1 {
             for group in &self.groups {
@@ -135,7 +138,7 @@ impl Figure for BarFigure {
         let names: Vec<&str> = self.rows.iter().map(|row| row.label.as_str()).collect();
         let lane_px = if self.rows.len() * self.groups.len() > 40 { 13.0 } else { 17.0 };
         let lanes = (self.groups.len(), lane_px);
-        let mut rows = Rows::draw(&self.heading, &legend, &names, lanes, (&self.value, span), &background);
+        let mut rows = Rows::draw(&self.heading, &legend, &names, lanes, (&self.value, span), &background, sheet);
         for (index, row) in self.rows.iter().enumerate() {
             for (lane, (bar, group)) in row.bars.iter().zip(&self.groups).enumerate() {
                 let Some(bar) = bar else { continue };
@@ -143,8 +146,11 @@ impl Figure for BarFigure {
                 let [low, end, high] = bar.ends().map(|value| rows.x(area, value));
                 let (zero, half) = (rows.x(area, 0.0), 0.4 * lane_px);
                 let case = Rect { left: zero.min(end), top: y - half, right: zero.max(end), bottom: y + half };
-                rows.canvas.rectangle(&case, Ink::new(group.style.colour, 0.0).faint(0.75));
-                rows.canvas.outline(&case, Ink::new(group.style.colour, 1.0));
+                let text = format!("{}, {}: {}", row.label, group.label, significant(bar.value, 4));
+                rows.canvas.hover(&text, |canvas| {
+                    canvas.rectangle(&case, Ink::new(group.style.colour, 0.0).faint(0.75));
+                    canvas.outline(&case, Ink::new(group.style.colour, 1.0));
+                });
                 // The marker distinguishes groups without colour.
                 let inside = if bar.value < 0.0 { zero - 9.0 } else { zero + 9.0 };
                 if case.width() > 18.0 && self.groups.len() > 1 {
@@ -172,6 +178,6 @@ impl Figure for BarFigure {
                 }
             }
         }
-        rows.canvas.finish(&self.heading)
+        Ok(rows.canvas.finish(&self.heading, sheet))
     }
 }

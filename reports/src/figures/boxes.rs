@@ -6,8 +6,11 @@ use crate::drawing::axis::{Axis, Span};
 use crate::drawing::canvas::{Ink, Rect};
 use crate::drawing::check::Check;
 use crate::drawing::colour::Colour;
+use crate::drawing::drawn::Drawing;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::rows::{Background, Level, Rows};
+use crate::drawing::sheet::Sheet;
+use crate::drawing::ticks::significant;
 use crate::heading::Heading;
 use crate::style::Group;
 
@@ -68,7 +71,7 @@ impl Distribution {
         Self { quantiles: Some(quantiles), points: Vec::new() }
     }
 
-    /// The same distribution with points.
+    /// Returns this distribution with points.
     #[must_use]
     pub fn with_points(mut self, points: Vec<f64>) -> Self {
         self.points = points;
@@ -141,7 +144,7 @@ impl BoxFigure {
 }
 
 /// Draws one distribution around `y`, in a lane `lane_px` high: the box, the points upon it, the median upon them.
-fn draw(rows: &mut Rows, cell: &Distribution, group: &Group, (area, y, lane_px): (usize, f64, f64)) {
+fn draw(rows: &mut Rows, cell: &Distribution, (group, name): (&Group, &str), (area, y, lane_px): (usize, f64, f64)) {
     let colour = group.style.colour;
     let half = (0.36 * lane_px).min(8.0);
     if let Some(quantiles) = cell.quantiles {
@@ -154,9 +157,13 @@ fn draw(rows: &mut Rows, cell: &Distribution, group: &Group, (area, y, lane_px):
             rows.canvas.line((end, y - 0.55 * half), (end, y + 0.55 * half), ink);
         }
         let case = Rect { left: q1, top: y - half, right: q3, bottom: y + half };
-        rows.canvas.rectangle(&case, Ink::new(Colour::WHITE, 0.0));
-        rows.canvas.rectangle(&case, Ink::new(colour, 0.0).faint(0.25));
-        rows.canvas.outline(&case, ink);
+        let [lowest, lower, median, upper, highest] = quantiles.ascending().map(|value| significant(value, 4));
+        let text = format!("{name}: median {median}, quartiles {lower}, {upper}, whiskers {lowest}, {highest}");
+        rows.canvas.hover(&text, |canvas| {
+            canvas.rectangle(&case, Ink::new(Colour::WHITE, 0.0));
+            canvas.rectangle(&case, Ink::new(colour, 0.0).faint(0.25));
+            canvas.outline(&case, ink);
+        });
     }
     let few = cell.points.len() <= 60;
     for (index, &value) in cell.points.iter().enumerate() {
@@ -179,7 +186,7 @@ impl Figure for BoxFigure {
         &self.heading
     }
 
-    fn svg(&self) -> Result<String, FigureError> {
+    fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
         let span = self.check()?;
         let mut legend = Vec::new();
         let cells = || self.rows.iter().flat_map(|row| row.cells.iter().flatten());
@@ -206,15 +213,16 @@ impl Figure for BoxFigure {
             20.0
         };
         let lanes = (self.groups.len(), lane_px);
-        let mut rows = Rows::draw(&self.heading, &legend, &names, lanes, (&self.value, span), &background);
+        let mut rows = Rows::draw(&self.heading, &legend, &names, lanes, (&self.value, span), &background, sheet);
         for (index, row) in self.rows.iter().enumerate() {
             for (lane, (cell, group)) in row.cells.iter().zip(&self.groups).enumerate() {
                 if let Some(cell) = cell {
                     let place = (rows.area_of(index), rows.y(index, lane), lane_px);
-                    draw(&mut rows, cell, group, place);
+                    let name = format!("{}, {}", row.label, group.label);
+                    draw(&mut rows, cell, (group, &name), place);
                 }
             }
         }
-        rows.canvas.finish(&self.heading)
+        Ok(rows.canvas.finish(&self.heading, sheet))
     }
 }

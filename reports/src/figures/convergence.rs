@@ -5,9 +5,11 @@ use crate::FigureError;
 use crate::drawing::axis::{Axis, Scale, Span};
 use crate::drawing::canvas::Ink;
 use crate::drawing::check::Check;
+use crate::drawing::drawn::Drawing;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::lattice::{Arrangement, Panel, lattice};
 use crate::drawing::path::visible;
+use crate::drawing::sheet::Sheet;
 use crate::heading::Heading;
 use crate::style::GroupStyle;
 
@@ -116,7 +118,7 @@ impl Figure for ConvergenceFigure {
         &self.heading
     }
 
-    fn svg(&self) -> Result<String, FigureError> {
+    fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
         let check = Check::heading(&self.heading)?;
         check.count("the list of panels", self.panels.len(), 12)?;
         check.count("the number of columns", self.columns, 3)?;
@@ -131,7 +133,7 @@ impl Figure for ConvergenceFigure {
             panels.push(Panel { title: &panel.title, x: &panel.evaluations, y: &panel.value, x_span, y_span });
         }
         let plot_height = if self.panels.len() == 1 { 380.0 } else { 260.0 };
-        let arrangement = Arrangement { columns: self.columns, plot_height, share_x: false, share_y: false };
+        let arrangement = Arrangement { columns: self.columns, plot_height, share_x: false, share_y: false, sheet };
         let (mut canvas, plots) = lattice(&self.heading, &legend, &panels, arrangement);
         for (panel, plot) in self.panels.iter().zip(&plots) {
             let many = panel.curves.len() > 12;
@@ -147,7 +149,7 @@ impl Figure for ConvergenceFigure {
                 }
             }
         }
-        canvas.finish(&self.heading)
+        Ok(canvas.finish(&self.heading, sheet))
     }
 }
 

@@ -6,8 +6,10 @@ use crate::drawing::axis::{Axis, Scale, Span};
 use crate::drawing::canvas::{Align, Canvas, Ink, Rect};
 use crate::drawing::check::Check;
 use crate::drawing::colour::Colour;
-use crate::drawing::head::{Head, MARGIN, WIDTH};
+use crate::drawing::drawn::Drawing;
+use crate::drawing::head::{Head, MARGIN, width_on};
 use crate::drawing::lattice::x_ticks;
+use crate::drawing::sheet::Sheet;
 use crate::drawing::ticks::{compact, powered};
 use crate::drawing::typeface::Font;
 use crate::heading::Heading;
@@ -60,11 +62,9 @@ pub enum ColourMap {
 /// White, and three ever darker blues around that of Okabe and Ito.
 const BLUES: [Colour; 4] =
     [Colour(0xFA, 0xFC, 0xFE), Colour(0x9A, 0xC9, 0xE6), Colour(0x00, 0x72, 0xB2), Colour(0x03, 0x24, 0x47)];
-/// The same towards vermilion.
+/// From white to vermilion.
 const REDS: [Colour; 4] =
     [Colour(0xFE, 0xFC, 0xFA), Colour(0xF4, 0xBE, 0x93), Colour(0xD5, 0x5E, 0x00), Colour(0x5C, 0x1F, 0x00)];
-/// Room for the name of the numbers beside the colour bar, px.
-const WIDEST_LABEL: f64 = 480.0;
 /// Cell without a number.
 const MISSING: Colour = Colour(0xE2, 0xE2, 0xE2);
 
@@ -165,7 +165,7 @@ impl HeatFigure {
             canvas.line((x, top + 12.0), (x, top + 15.5), Ink::new(Colour::FRAME, 0.9));
             canvas.text(&tick.label, (x, top + 24.0), Font::TICK, Colour::TEXT, Align::Middle);
         }
-        let label = Font::LABEL.fit(&self.value.text(), WIDEST_LABEL);
+        let label = Font::LABEL.fit(&self.value.text(), 0.53 * canvas.width());
         canvas.text(&label, (left - 12.0, top + 6.0), Font::LABEL, Colour::TEXT, Align::End);
     }
 }
@@ -175,15 +175,15 @@ impl Figure for HeatFigure {
         &self.heading
     }
 
-    fn svg(&self) -> Result<String, FigureError> {
+    fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
         let span = self.check()?;
-        let head = Head::new(&self.heading, &[]);
+        let (head, width) = (Head::new(&self.heading, &[], sheet), width_on(sheet));
         let widest = |names: &[String], limit: f64| {
             names.iter().map(|name| Font::TICK.width(name)).fold(0.0, f64::max).min(limit)
         };
-        let row_names = widest(&self.rows, 220.0);
+        let row_names = widest(&self.rows, (0.4 * width).min(220.0));
         let left = MARGIN + row_names + 8.0;
-        let cell_width = ((WIDTH - 20.0 - left) / self.columns.len() as f64).min(84.0);
+        let cell_width = ((width - 20.0 - left) / self.columns.len() as f64).min(84.0);
         let cell_height = (0.62 * cell_width).clamp(15.5, 34.0);
         let level = widest(&self.columns, 400.0) + 8.0 <= cell_width;
         let column_names = if level { 18.0 } else { widest(&self.columns, 160.0) + 10.0 };
@@ -191,11 +191,11 @@ impl Figure for HeatFigure {
         let group_names = if self.groups.is_empty() { 0.0 } else { 24.0 };
         let top = bar_top + 38.0 + column_names + group_names;
         let bottom = top + cell_height * self.rows.len() as f64;
-        let mut canvas = Canvas::new(WIDTH, bottom + 14.0);
+        let mut canvas = Canvas::new(width, bottom + 14.0);
         head.draw(&mut canvas);
         let label = Font::LABEL.width(&self.value.text());
-        let bar_left = left.max(MARGIN + label.min(WIDEST_LABEL) + 12.0);
-        self.bar(&mut canvas, &span, bar_top, (bar_left, (bar_left + 320.0).min(WIDTH - 30.0)));
+        let bar_left = left.max(MARGIN + label.min(0.53 * width) + 12.0);
+        self.bar(&mut canvas, &span, bar_top, (bar_left, (bar_left + 320.0).min(width - 30.0)));
 
         let printed: Vec<Option<String>> =
             self.values.iter().map(|value| value.map(|value| self.printed(value))).collect();
@@ -206,12 +206,14 @@ impl Figure for HeatFigure {
             let from = (left + column as f64 * cell_width, top + row as f64 * cell_height);
             let cell = Rect { left: from.0, top: from.1, right: from.0 + cell_width, bottom: from.1 + cell_height };
             let colour = value.map_or(MISSING, |value| self.colours.colour(&span, value));
-            canvas.rectangle(&cell, Ink::new(colour, 0.0));
-            if numbers {
-                let ink = if dark(colour) { Colour::WHITE } else { Colour::TEXT };
-                let text = printed[index].as_deref().unwrap_or("–");
-                canvas.text(text, cell.centre(), Font::NOTE, ink, Align::Middle);
-            }
+            let text = printed[index].as_deref().unwrap_or("–");
+            canvas.hover(&format!("{}, {}: {text}", self.rows[row], self.columns[column]), |canvas| {
+                canvas.rectangle(&cell, Ink::new(colour, 0.0));
+                if numbers {
+                    let ink = if dark(colour) { Colour::WHITE } else { Colour::ON_LIGHT };
+                    canvas.text(text, cell.centre(), Font::NOTE, ink, Align::Middle);
+                }
+            });
         }
         let right = left + cell_width * self.columns.len() as f64;
         let rule = Ink::new(Colour::WHITE, if cell_width > 20.0 { 1.2 } else { 0.6 });
@@ -256,7 +258,7 @@ impl Figure for HeatFigure {
                 canvas.text_upwards(&name, (x, top - 6.0), Font::TICK, Colour::TEXT, Align::Start);
             }
         }
-        canvas.finish(&self.heading)
+        Ok(canvas.finish(&self.heading, sheet))
     }
 }
 

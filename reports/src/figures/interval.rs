@@ -5,8 +5,11 @@ use crate::FigureError;
 use crate::drawing::axis::{Axis, Scale, Span};
 use crate::drawing::canvas::Ink;
 use crate::drawing::check::Check;
+use crate::drawing::drawn::Drawing;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::rows::{Background, Band, Level, Rows};
+use crate::drawing::sheet::Sheet;
+use crate::drawing::ticks::significant;
 use crate::heading::Heading;
 use crate::style::Group;
 
@@ -108,7 +111,7 @@ impl Figure for IntervalFigure {
         &self.heading
     }
 
-    fn svg(&self) -> Result<String, FigureError> {
+    fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
         let span = self.check()?;
         let mut legend = Vec::new();
         if self.groups.len() > 1 {
@@ -121,17 +124,20 @@ impl Figure for IntervalFigure {
         let names: Vec<&str> = self.rows.iter().map(|row| row.label.as_str()).collect();
         let lane_px = if self.rows.len() > 40 { 7.5 } else { 10.0 };
         let lanes = (self.groups.len(), lane_px);
-        let mut rows = Rows::draw(&self.heading, &legend, &names, lanes, (&self.value, span), &background);
+        let mut rows = Rows::draw(&self.heading, &legend, &names, lanes, (&self.value, span), &background, sheet);
         for (index, row) in self.rows.iter().enumerate() {
             for (lane, (cell, group)) in row.cells.iter().zip(&self.groups).enumerate() {
                 let Some(cell) = cell else { continue };
                 let (area, y) = (rows.area_of(index), rows.y(index, lane));
                 let (low, point, high) = (rows.x(area, cell.low), rows.x(area, cell.point), rows.x(area, cell.high));
-                rows.canvas.line((low, y), (high, y), Ink::new(group.style.colour, 1.6));
-                rows.canvas.marker(group.style.marker, (point, y), 3.4, group.style.colour, 1.0);
+                let [at, from, to] = [cell.point, cell.low, cell.high].map(|value| significant(value, 4));
+                rows.canvas.hover(&format!("{}, {}: {at} [{from}, {to}]", row.label, group.label), |canvas| {
+                    canvas.line((low, y), (high, y), Ink::new(group.style.colour, 1.6));
+                    canvas.marker(group.style.marker, (point, y), 3.4, group.style.colour, 1.0);
+                });
             }
         }
-        rows.canvas.finish(&self.heading)
+        Ok(rows.canvas.finish(&self.heading, sheet))
     }
 }
 
@@ -177,7 +183,7 @@ impl Figure for CoverageFigure {
         &self.heading
     }
 
-    fn svg(&self) -> Result<String, FigureError> {
+    fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
         let check = Check::heading(&self.heading)?;
         for row in &self.rows {
             for cell in row.percent.iter().flatten() {
@@ -199,6 +205,6 @@ impl Figure for CoverageFigure {
             levels: vec![Level::new(self.nominal_percent, format!("nominal {nominal} %"))],
             band: Some(self.band.clone()),
         }
-        .svg()
+        .draw(sheet)
     }
 }

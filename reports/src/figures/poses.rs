@@ -5,7 +5,9 @@ use crate::FigureError;
 use crate::drawing::canvas::{Align, Canvas, Ink};
 use crate::drawing::check::Check;
 use crate::drawing::colour::Colour;
-use crate::drawing::head::{self, Entry, Head, MARGIN, Swatch, WIDTH};
+use crate::drawing::drawn::Drawing;
+use crate::drawing::head::{self, Entry, Head, MARGIN, Swatch, width_on};
+use crate::drawing::sheet::Sheet;
 use crate::drawing::typeface::Font;
 use crate::heading::Heading;
 use crate::style::{Dash, GroupStyle, Marker};
@@ -107,7 +109,7 @@ impl Figure for PosesFigure {
         &self.heading
     }
 
-    fn svg(&self) -> Result<String, FigureError> {
+    fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
         self.check()?;
         let (arm, path) = (
             GroupStyle::nth(0).with_width(2.4),
@@ -117,14 +119,15 @@ impl Figure for PosesFigure {
         head::add(&mut entries, "arm", Swatch::Line(arm));
         head::add(&mut entries, "path of its end", Swatch::Line(path));
         entries.push(Entry::new("shadow on the plane of the base", Swatch::Reference(Dash::Dotted)));
-        let head = Head::new(&self.heading, &entries);
-        let rows = self.poses.len().div_ceil(COLUMNS);
-        let mut canvas = Canvas::new(WIDTH, head.height + rows as f64 * CELL + 30.0);
+        let head = Head::new(&self.heading, &entries, sheet);
+        let (columns, whole) = (sheet.panels(COLUMNS, 2), width_on(sheet));
+        let rows = self.poses.len().div_ceil(columns);
+        let mut canvas = Canvas::new(whole, head.height + rows as f64 * CELL + 30.0);
         head.draw(&mut canvas);
-        let width = (WIDTH - 2.0 * MARGIN) / COLUMNS as f64;
+        let width = (whole - 2.0 * MARGIN) / columns as f64;
         let view = self.view(width);
         for (index, pose) in self.poses.iter().enumerate() {
-            let cell = (MARGIN + (index % COLUMNS) as f64 * width, head.height + (index / COLUMNS) as f64 * CELL);
+            let cell = (MARGIN + (index % columns) as f64 * width, head.height + (index / columns) as f64 * CELL);
             let title = Font::LABEL.fit(&pose.title, width - 6.0);
             canvas.text(&title, (cell.0 + 0.5 * width, cell.1 + 12.0), Font::LABEL, Colour::TEXT, Align::Middle);
             let line = |points: &[[f64; 3]]| -> Vec<(f64, f64)> {
@@ -143,7 +146,7 @@ impl Figure for PosesFigure {
         let ends = [(MARGIN, below), (MARGIN + bar * view.scale, below)];
         canvas.line(ends[0], ends[1], Ink::new(Colour::TEXT, 2.0));
         canvas.text("0.5 m", (ends[1].0 + 8.0, below), Font::NOTE, Colour::TEXT, Align::Start);
-        canvas.finish(&self.heading)
+        Ok(canvas.finish(&self.heading, sheet))
     }
 }
 

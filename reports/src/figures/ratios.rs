@@ -6,8 +6,10 @@ use crate::drawing::axis::{Scale, Span};
 use crate::drawing::canvas::{Align, Canvas, Ink, Rect};
 use crate::drawing::check::Check;
 use crate::drawing::colour::Colour;
+use crate::drawing::drawn::Drawing;
 use crate::drawing::head::MARGIN;
-use crate::drawing::ticks::ticks;
+use crate::drawing::sheet::Sheet;
+use crate::drawing::ticks::{significant, ticks};
 use crate::drawing::typeface::Font;
 use crate::heading::Heading;
 use crate::style::{Group, Marker};
@@ -66,10 +68,10 @@ pub struct Ratio {
     pub is_significant: bool,
 }
 
-const WIDTH: f64 = 640.0;
-const TITLE: Font = Font { size: 20.0, bold: true };
-const TEXT: Font = Font { size: 16.0, bold: false };
-const BOLD: Font = Font { size: 16.0, bold: true };
+pub(super) const WIDTH: f64 = 640.0;
+pub(super) const TITLE: Font = Font { size: 20.0, bold: true };
+pub(super) const TEXT: Font = Font { size: 16.0, bold: false };
+pub(super) const BOLD: Font = Font { size: 16.0, bold: true };
 /// Width of the names of rows, gap between panels, height of a row, distance between its two lanes, px.
 const NAMES: f64 = 130.0;
 const GAP: f64 = 18.0;
@@ -134,7 +136,7 @@ impl RatioFigure {
         for (index, name) in self.rows.iter().enumerate() {
             let row = top + index as f64 * ROW;
             if index % 2 == 1 {
-                let stripe = Rect { left: 0.0, top: row, right: WIDTH, bottom: row + ROW };
+                let stripe = Rect { left: 0.0, top: row, right: canvas.width(), bottom: row + ROW };
                 canvas.rectangle(&stripe, Ink::new(Colour::STRIPE, 0.0));
             }
             let font = if index == 0 { BOLD } else { TEXT };
@@ -188,7 +190,10 @@ impl RatioFigure {
                     }
                 }
                 let mark = MARKS[lane][usize::from(!is_significant)];
-                canvas.marker(mark, (x(interval.point), y), RADIUS, colour, 1.0);
+                let [at, from, to] = [interval.point, interval.low, interval.high].map(|value| significant(value, 3));
+                canvas.hover(&format!("{}, {}: {at} [{from}, {to}]", self.rows[row], group.label), |canvas| {
+                    canvas.marker(mark, (x(interval.point), y), RADIUS, colour, 1.0);
+                });
             }
         }
     }
@@ -199,24 +204,25 @@ impl Figure for RatioFigure {
         &self.heading
     }
 
-    fn svg(&self) -> Result<String, FigureError> {
+    fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
         let span = self.check()?;
-        let title = TITLE.wrap(&self.heading.title, WIDTH - 2.0 * MARGIN, 3);
-        let subtitle = TEXT.wrap(&self.heading.subtitle, WIDTH - 2.0 * MARGIN, 2);
+        let whole = sheet.width(WIDTH, TEXT.size);
+        let title = TITLE.wrap(&self.heading.title, whole - 2.0 * MARGIN, 3);
+        let subtitle = TEXT.wrap(&self.heading.subtitle, whole - 2.0 * MARGIN, 2);
         let top = 92.0 + 27.0 * title.len() as f64 + 22.0 * subtitle.len() as f64;
         let bottom = top + self.rows.len() as f64 * ROW;
-        let mut canvas = Canvas::new(WIDTH, bottom + 80.0);
+        let mut canvas = Canvas::new(whole, bottom + 80.0);
         self.head(&mut canvas, &title, &subtitle);
         self.names(&mut canvas, top);
         let left = MARGIN + NAMES + 6.0;
-        let width = (WIDTH - MARGIN - left + GAP) / self.panels.len() as f64 - GAP;
+        let width = (whole - MARGIN - left + GAP) / self.panels.len() as f64 - GAP;
         for (index, panel) in self.panels.iter().enumerate() {
             let left = left + index as f64 * (width + GAP);
             self.panel(&mut canvas, panel, &Rect { left, top, right: left + width, bottom }, span);
         }
-        let at = (0.5 * (left + WIDTH - MARGIN), bottom + 64.0);
-        canvas.text(&TEXT.fit(&self.label, WIDTH - left), at, TEXT, Colour::TEXT, Align::Middle);
-        canvas.finish(&self.heading)
+        let at = (0.5 * (left + whole - MARGIN), bottom + 64.0);
+        canvas.text(&TEXT.fit(&self.label, whole - left), at, TEXT, Colour::TEXT, Align::Middle);
+        Ok(canvas.finish(&self.heading, sheet))
     }
 }
 
@@ -241,6 +247,16 @@ mod tests {
         assert!(figure(24, Interval::new(2.0, 1.0, 3.0)).svg().is_ok());
         let error = figure(25, Interval::new(2.0, 1.0, 3.0)).svg().unwrap_err();
         assert_eq!(error.to_string(), "figure \"ratios\": the list of rows has 25 entries, expected at most 24");
+    }
+
+    #[test]
+    fn what_is_worse_is_named_where_there_is_room_for_it() {
+        let has = |reference: &str, text: &str| {
+            let figure = RatioFigure { reference: reference.into(), ..figure(1, Interval::new(2.0, 1.5, 2.5)) };
+            figure.svg().unwrap().contains(&format!(">{text}<"))
+        };
+        assert!(has("D-optimal", "worse than D-optimal"));
+        assert!(has("a reference whose name is far too long", "worse"));
     }
 
     #[test]

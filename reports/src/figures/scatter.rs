@@ -6,8 +6,11 @@ use crate::drawing::axis::{Axis, Span};
 use crate::drawing::canvas::{Canvas, Ink, Rect};
 use crate::drawing::check::Check;
 use crate::drawing::colour::Colour;
+use crate::drawing::drawn::Drawing;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::lattice::{Arrangement, Panel, Plot, lattice};
+use crate::drawing::sheet::Sheet;
+use crate::drawing::ticks::significant;
 use crate::drawing::typeface::Font;
 use crate::heading::Heading;
 use crate::style::{Dash, GroupStyle};
@@ -86,7 +89,7 @@ impl ScatterPoint {
         Self { x, y, interval: None }
     }
 
-    /// The same point with an error bar from `low` to `high`.
+    /// Returns this point with an error bar from `low` to `high`.
     #[must_use]
     pub fn interval(self, low: f64, high: f64) -> Self {
         Self { interval: Some((low, high)), ..self }
@@ -204,7 +207,7 @@ impl ScatterPanel {
             }
         }
         let count: usize = self.groups.iter().map(|group| group.points.len()).sum();
-        let (radius, opacity) = if count > 400 { (3.2, 0.6) } else { (4.3, 0.92) };
+        let (radius, opacity) = if count > MANY { (3.2, 0.6) } else { (4.3, 0.92) };
         for group in &self.groups {
             for point in &group.points {
                 if let Some((low, high)) = point.interval {
@@ -218,8 +221,22 @@ impl ScatterPanel {
             }
         }
         for group in &self.groups {
+            if count > MANY && self.groups.len() == 1 {
+                let centres: Vec<(f64, f64)> = group.points.iter().map(|point| plot.at(point.x, point.y)).collect();
+                canvas.dots(&centres, 0.6 * radius, Ink::new(group.style.colour, 0.0).faint(opacity));
+                continue;
+            }
             for point in &group.points {
-                canvas.marker(group.style.marker, plot.at(point.x, point.y), radius, group.style.colour, opacity);
+                let at = plot.at(point.x, point.y);
+                let [x, y] = [point.x, point.y].map(|value| significant(value, 4));
+                let draw = |canvas: &mut Canvas| {
+                    canvas.marker(group.style.marker, at, radius, group.style.colour, opacity);
+                };
+                if count > MANY {
+                    draw(canvas);
+                } else {
+                    canvas.hover(&format!("{}: {x}, {y}", group.label), draw);
+                }
             }
         }
         self.label_references(canvas, plot);
@@ -290,12 +307,15 @@ fn segment_dash(index: usize) -> Dash {
     [Dash::Dashed, Dash::Dotted, Dash::DashDot, Dash::Solid][index % 4]
 }
 
+/// Points of a panel beyond which they are small, say nothing under the pointer, and are one element if they are one group.
+const MANY: usize = 200;
+
 impl Figure for ScatterFigure {
     fn heading(&self) -> &Heading {
         &self.heading
     }
 
-    fn svg(&self) -> Result<String, FigureError> {
+    fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
         let check = Check::heading(&self.heading)?;
         check.count("the list of panels", self.panels.len(), 12)?;
         check.count("the number of columns", self.columns, 3)?;
@@ -321,11 +341,11 @@ impl Figure for ScatterFigure {
             }
         }
         let plot_height = if self.panels.len() == 1 { 420.0 } else { 270.0 };
-        let arrangement = Arrangement { columns: self.columns, plot_height, share_x: false, share_y: false };
+        let arrangement = Arrangement { columns: self.columns, plot_height, share_x: false, share_y: false, sheet };
         let (mut canvas, plots) = lattice(&self.heading, &legend, &panels, arrangement);
         for (panel, plot) in self.panels.iter().zip(&plots) {
             panel.draw(&mut canvas, plot);
         }
-        canvas.finish(&self.heading)
+        Ok(canvas.finish(&self.heading, sheet))
     }
 }

@@ -6,9 +6,11 @@ use crate::drawing::axis::{Axis, Scale, Span};
 use crate::drawing::canvas::{Align, Ink};
 use crate::drawing::check::Check;
 use crate::drawing::colour::Colour;
+use crate::drawing::drawn::Drawing;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::lattice::{Arrangement, Panel, lattice};
 use crate::drawing::path::visible;
+use crate::drawing::sheet::Sheet;
 use crate::drawing::typeface::Font;
 use crate::heading::Heading;
 use crate::style::{Dash, GroupStyle};
@@ -140,7 +142,7 @@ impl Figure for TimeSeriesFigure {
         &self.heading
     }
 
-    fn svg(&self) -> Result<String, FigureError> {
+    fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
         self.check()?;
         let check = Check::heading(&self.heading)?;
         let plot_height = if self.panels.len() <= self.columns { 260.0 } else { 170.0 };
@@ -183,7 +185,8 @@ impl Figure for TimeSeriesFigure {
                 y_span,
             })
             .collect();
-        let arrangement = Arrangement { columns: self.columns, plot_height, share_x: true, share_y: self.same_range };
+        let arrangement =
+            Arrangement { columns: self.columns, plot_height, share_x: true, share_y: self.same_range, sheet };
         let (mut canvas, plots) = lattice(&self.heading, &legend, &panels, arrangement);
         for (panel, plot) in self.panels.iter().zip(&plots) {
             if plot.y.scale == Scale::Linear && plot.y.contains(0.0) {
@@ -208,6 +211,6 @@ impl Figure for TimeSeriesFigure {
                 canvas.text(&label, at, Font::NOTE, Colour::MUTED, Align::End);
             }
         }
-        canvas.finish(&self.heading)
+        Ok(canvas.finish(&self.heading, sheet))
     }
 }

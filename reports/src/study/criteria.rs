@@ -65,8 +65,8 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     let prediction = boxes(
         input,
         &groups,
-        Heading::new("error-by-criterion", "Torque prediction error by criterion")
-            .subtitle("all designs and runs of each criterion")
+        Heading::new("error-by-criterion", finding(input).unwrap_or_else(|| "Torque prediction error".to_owned()))
+            .subtitle("torque prediction error, all designs and runs of each criterion")
             .caption("RMSE on validation trajectories, all joints. Box: quartiles and median; whiskers: 5 % and 95 % quantiles over runs."),
         Axis::log("prediction RMSE", "N·m"),
         |family| family.prediction_spread,
@@ -81,6 +81,17 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         |family| family.reference_spread,
     );
     Section::new("Criteria and errors").figure(&prediction)?.figure(&parameters)?.figure(&scatter)
+}
+
+/// What the answer of the study says first of its criteria. Counts over several scenarios are not what the figure shows.
+fn finding(input: &ReportInput) -> Option<String> {
+    let plan = &input.result.plan;
+    if plan.designs.len() < 2 || (input.result.conditions.len() > 1 && plan.compare_with.len() == 1) {
+        return None;
+    }
+    let answer = input.result.answer();
+    let bold = answer.first()?.split("**").nth(1)?;
+    bold.strip_suffix('.').map(str::to_owned)
 }
 
 /// One box per criterion and estimator.

@@ -1,7 +1,7 @@
 //! The sensitivity: what every effect of the real arm does to the estimates.
 
 use armid::experiment::Level;
-use armid::study::{EffectSensitivity, ReportInput, SensitivityEntry, criterion_in_words};
+use armid::study::{EffectSensitivity, ReportInput, SensitivityEntry, capitalised, criterion_in_words};
 
 use super::criteria_on_robots::effect_in_words;
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Heading, HeatFigure, Section, Table};
@@ -87,9 +87,14 @@ fn glance(
     });
     let group =
         |level: &Option<Level>| level.map_or("other magnitudes".to_owned(), |level| format!("{} level", level.name()));
+    // The first row has the largest increase.
+    let title = rows.first().map_or_else(
+        || "Error increase per unmodelled effect".to_owned(),
+        |effect| format!("{} raises the error of prediction most", capitalised(&effect_in_words(Some(effect)))),
+    );
     HeatFigure {
-        heading: Heading::new(format!("atlas-{estimator}"), "Error increase per unmodelled effect")
-            .subtitle(format!("how many times the error without the effect, estimator {estimator}"))
+        heading: Heading::new(format!("atlas-{estimator}"), title)
+            .subtitle(format!("error increase per unmodelled effect: how many times the error without the effect, estimator {estimator}"))
             .caption("Rows: one effect alone, or several by the name of their scenario, the largest increase of the prediction error at the top. Prediction: RMSE of predicted torque over the rating. Parameters: root mean square over the parameters of a kind. 1 is an effect that noise hides; grey is a level that was not run, or a run that gave no estimate."),
         values: values.collect(),
         rows: rows.into_iter().map(|effect| effect_in_words(Some(effect))).collect(),

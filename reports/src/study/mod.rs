@@ -1,5 +1,6 @@
 //! The report of a study: from its stored result to a page, one file per section.
 
+mod effect_levels;
 mod effect_sensitivity;
 mod estimators;
 mod conditions;
@@ -20,5 +21,6 @@ mod rounds;
 mod selection;
 
 pub use criteria_on_robots::criteria_figure;
+pub use effect_levels::levels_figure;
 pub use page::study_document;
 pub use robots::robots_document;

@@ -4,8 +4,8 @@ use armid::study::ReportInput;
 
 use super::selection::GROUPS;
 use super::{
-    conditions, convergence, correlations, criteria, effect_sensitivity, estimators, grid, limits, motions, overview,
-    parameters, prediction, radkhah2007, rounds,
+    conditions, convergence, correlations, criteria, effect_levels, effect_sensitivity, estimators, grid, limits,
+    motions, overview, parameters, prediction, radkhah2007, rounds,
 };
 use crate::{Document, DocumentError};
 
@@ -53,6 +53,9 @@ pub fn study_document(input: &ReportInput) -> Result<Document, DocumentError> {
     }
     for paragraph in result.answer() {
         document = document.summary(paragraph);
+    }
+    if let Some(section) = effect_levels::section(input)? {
+        document = document.section(section);
     }
     if let Some(section) = conditions::section(input)? {
         document = document.section(section);

@@ -28,6 +28,7 @@ pub(crate) fn text_of(document: &Document) -> String {
         page = page.replacen(svg, &format!("{name} {}", sha256(svg)), 1);
     }
     let body = page.split_once("</style>").unwrap().1;
+    let body = body.split_once("<script>").unwrap().0;
     for part in body.split('<') {
         let inner = part.split_once('>').map_or(part, |(_, inner)| inner);
         text.push_str(inner);

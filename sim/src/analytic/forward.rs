@@ -371,7 +371,7 @@ impl<const N: usize, V: Lane> Factor<N, V> {
         sum
     }
 
-    /// The same factor in other numbers.
+    /// Returns this factor in other numbers.
     #[inline(always)]
     pub(crate) fn map<U: Copy>(&self, of: impl Fn(V) -> U) -> Factor<N, U> {
         Factor {

@@ -54,7 +54,7 @@ impl<V: Lane> Runs for Lanes<V> {
     }
 }
 
-/// The same with its slope by the velocity of the coordinate.
+/// A torque with its slope by the velocity of the coordinate.
 #[derive(Clone, Copy)]
 pub(super) struct Rates<V> {
     pub(super) value: V,

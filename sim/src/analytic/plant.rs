@@ -97,7 +97,7 @@ impl AnalyticPlant {
         let _ = self.definite_acceleration(tau, qdd);
     }
 
-    /// The same; returns whether the mass matrix in the present state is positive definite, without which they mean nothing.
+    /// Accelerations of the joints; returns whether the mass matrix in the present state is positive definite, without which they mean nothing.
     ///
     /// # Panics
     /// If a slice has another length than n.

@@ -53,7 +53,7 @@ pub fn record_runs(servo: &Servo<AnalyticPlant>, runs: &[BatchRun<'_>]) -> Vec<R
     record_runs_watched(servo, runs, &Unobserved)
 }
 
-/// The same, reporting to an observer, which may stop the arms of all runs.
+/// Records the runs and reports to an observer, which may stop the arms of all runs.
 pub(crate) fn record_runs_watched(
     servo: &Servo<AnalyticPlant>,
     runs: &[BatchRun<'_>],

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use armid::dynamics::States;
 use armid::estimation::{
     ClosedLoop, ClosedLoopError, ClosedLoopInterval, ClosedLoopIntervals, ClosedLoopMotion, ClosedLoopNode,
-    ClosedLoopSlopes,
+    ClosedLoopReference, ClosedLoopSlopes,
 };
 use armid::experiment::{ArmError, CommandTable, ExperimentPlan, JointLoop, Sensing};
 use armid::model::{ParameterId, Robot, StandardParameters};
@@ -14,6 +14,7 @@ use armid::seed::Seed;
 use nalgebra::DMatrix;
 
 use super::bodies::{Body, SlopedBody};
+use super::commanded::CommandLoop;
 use super::intervals::{self, Walker};
 use super::period_mean::Period;
 use super::walk::{Motion, go_on, mean_period};
@@ -23,7 +24,7 @@ use crate::analytic::sloped_arm;
 /// The analytic plant under a robot's servo, along plans.
 ///
 /// ```
-/// use armid::estimation::ClosedLoop;
+/// use armid::estimation::{ClosedLoop, ClosedLoopReference};
 /// use armid::experiment::ExperimentPlan;
 /// use armid::model::bundled;
 /// use armid::model::format::{parse_nominal, parse_robot};
@@ -35,7 +36,7 @@ use crate::analytic::sloped_arm;
 /// let series = |name: &str| FourierJoint { name: name.into(), a: vec![0.2], b: vec![0.1], q0: 0.0 };
 /// let joints = robot.joints().iter().map(|joint| series(&joint.name)).collect();
 /// let plan = ExperimentPlan::new(FourierTrajectory { period_s: 1.0, joints });
-/// let closed_loop = armid_sim::closed_loop(&robot, &nominal, &[plan])?;
+/// let closed_loop = armid_sim::closed_loop(&robot, &nominal, ClosedLoopReference::Plans(&[plan]))?;
 /// assert_eq!(closed_loop.motion(&nominal, &Unobserved)?.states.len(), 1000);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -49,7 +50,7 @@ pub struct SimulatedLoop {
     motions: OnceLock<Vec<Motion>>,
 }
 
-/// The closed loop of a robot whose servo's gains are placed on nominal parameters, along these plans: what
+/// The closed loop of a robot along plans, whose servo's gains are placed on nominal parameters, or along the commands of logs: what
 /// [`armid::estimation::ClosedLoopFactory`] asks for.
 ///
 /// # Errors
@@ -57,9 +58,12 @@ pub struct SimulatedLoop {
 pub fn closed_loop(
     robot: &Robot,
     nominal: &StandardParameters,
-    plans: &[ExperimentPlan],
+    reference: ClosedLoopReference<'_>,
 ) -> Result<Arc<dyn ClosedLoop>, ClosedLoopError> {
-    Ok(Arc::new(SimulatedLoop::new(robot, nominal, plans)?))
+    Ok(match reference {
+        ClosedLoopReference::Plans(plans) => Arc::new(SimulatedLoop::new(robot, nominal, plans)?),
+        ClosedLoopReference::Commands(servo, samples) => Arc::new(CommandLoop::new(robot, nominal, servo, samples)?),
+    })
 }
 
 fn unsimulable(reason: &impl ToString) -> ClosedLoopError {

@@ -36,7 +36,7 @@ pub fn mjcf(robot: &Robot, parameters: &StandardParameters) -> Result<String, Mu
     write(robot, parameters, None)
 }
 
-/// The same for other users of MuJoCo: with friction, limits and MuJoCo's usual flags, and `header` as a comment on top.
+/// The model for other users of MuJoCo: with friction, limits and MuJoCo's usual flags, and `header` as a comment on top.
 ///
 /// Offsets of the torque, other laws of friction, and friction of coupled motors have no place in MJCF: they are left out.
 ///

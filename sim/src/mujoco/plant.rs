@@ -112,14 +112,14 @@ impl MujocoPlant {
         })
     }
 
-    /// The same plant with another way of taking a step.
+    /// Returns this plant with another way of taking a step.
     #[must_use]
     pub fn with_scheme(mut self, scheme: MujocoScheme) -> Self {
         self.scheme = scheme;
         self
     }
 
-    /// The same plant with each step divided into this many equal ones, at least one.
+    /// Returns this plant with each step divided into this many equal ones, at least one.
     #[must_use]
     pub fn with_substeps(mut self, substeps: usize) -> Self {
         self.substeps = substeps.max(1);

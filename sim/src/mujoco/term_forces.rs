@@ -71,7 +71,7 @@ impl TermForces {
         self.brakes.iter().map(|brake| self.slope(brake, q, qd, change) * brake.mobility).sum()
     }
 
-    /// The same with the inverse of the mass matrix, row-major n × n.
+    /// Bound on `λ` by the inverse of the mass matrix, row-major n × n.
     pub(super) fn decay(&self, q: &[f64], qd: &[f64], change: &[f64], inverse: &[f64]) -> f64 {
         let n = self.dof;
         let mut rate = 0.0;

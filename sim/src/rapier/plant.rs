@@ -110,7 +110,7 @@ impl RapierPlant {
         Ok(plant)
     }
 
-    /// The same arm, each of its steps made of this many steps of the engine. The error is inverse to their number.
+    /// Returns this arm, each of its steps made of this many steps of the engine. The error is inverse to their number.
     #[must_use]
     pub const fn with_substeps(mut self, substeps: NonZeroU32) -> Self {
         self.substeps = substeps;

@@ -2,12 +2,13 @@
 #![allow(clippy::unwrap_used, reason = "a test panics")]
 
 mod arm;
+mod commanded;
 mod shooting;
 
 use armid::base::{Method, reduce};
 use armid::estimation::{
-    ClosedLoopError, Estimate, EstimationError, EstimationProblem, EstimatorKind, Finding, Observation, Termination,
-    closed_loop_of, complete,
+    ClosedLoopError, ClosedLoopReference, Estimate, EstimationError, EstimationProblem, EstimatorKind, Finding,
+    Observation, Termination, closed_loop_of, complete,
 };
 use armid::experiment::{ExperimentPlan, Phase, Recording, Sensing};
 use armid::model::format::parse_robot;
@@ -58,7 +59,7 @@ fn identity_the_loop_moves_as_the_recorded_arm_does() {
         }
         // Torque, position, velocity and acceleration are those of one arm, where the motion repeats.
         let long = ExperimentPlan { discarded_periods: 8, ..short(&arm.robot) };
-        let known = closed_loop(&arm.robot, &arm.nominal, &[long]).unwrap();
+        let known = closed_loop(&arm.robot, &arm.nominal, ClosedLoopReference::Plans(&[long])).unwrap();
         let motion = known.motion(&arm.truth, &Unobserved).unwrap();
         let tau = arm.regressor.stack(&motion.states) * arm.truth.vector(&arm.robot, COLUMNS);
         let size = tau.amax();
@@ -74,7 +75,7 @@ fn analytic_slopes_are_central_differences_of_the_simulation() {
     for (name, rate_hz) in [("planar-2r", 500.0), ("crs-a460", 500.0), ("staubli-tx40", 1000.0)] {
         let arm = Arm::new(name);
         let plan = ExperimentPlan { rate_hz, discarded_periods: 0, ..short(&arm.robot).with_periods(1) };
-        let known = closed_loop(&arm.robot, &arm.nominal, &[plan]).unwrap();
+        let known = closed_loop(&arm.robot, &arm.nominal, ClosedLoopReference::Plans(&[plan])).unwrap();
         let by: Vec<ParameterId> = arm.base.kept.iter().map(|&j| arm.base.parameters[j]).collect();
         let block = 10;
         let (motion, slopes) = known.slopes(&arm.truth, &by, block, &Unobserved).unwrap();
@@ -188,7 +189,7 @@ fn a_servo_a_motion_or_a_guess_that_is_not_known_is_named() {
 #[test]
 fn an_arm_that_cannot_move_so_is_refused_and_no_panic() {
     let arm = Arm::new("planar-2r");
-    let known = closed_loop(&arm.robot, &arm.nominal, &[short(&arm.robot)]).unwrap();
+    let known = closed_loop(&arm.robot, &arm.nominal, ClosedLoopReference::Plans(&[short(&arm.robot)])).unwrap();
     let beta = arm.beta() * -1.0;
     let against = complete(&arm.base, &beta, &arm.nominal).unwrap().parameters;
     assert!(matches!(known.motion(&against, &Unobserved), Err(ClosedLoopError::MassMatrix { .. })));

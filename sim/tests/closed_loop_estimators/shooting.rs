@@ -1,6 +1,8 @@
 //! The closed loop in intervals, and estimators that begin there.
 
-use armid::estimation::{ClosedLoop, ClosedLoopInterval, ClosedLoopNode, Estimate, EstimatorKind, Finding};
+use armid::estimation::{
+    ClosedLoop, ClosedLoopInterval, ClosedLoopNode, ClosedLoopReference, Estimate, EstimatorKind, Finding,
+};
 use armid::experiment::{ExperimentPlan, Sensing};
 use armid::model::{ParameterId, StandardParameters};
 use armid::observer::Unobserved;
@@ -30,7 +32,7 @@ fn identity_intervals_between_passed_states_are_the_motion() {
     for (name, most) in [("planar-2r", 1e-9), ("crs-a460", 1e-9), ("staubli-tx40", 1e-3)] {
         let arm = Arm::new(name);
         let plan = ExperimentPlan { rate_hz: 1000.0, discarded_periods: 3, ..slow(&arm.robot).with_periods(1) };
-        let known = closed_loop(&arm.robot, &arm.nominal, &[plan]).unwrap();
+        let known = closed_loop(&arm.robot, &arm.nominal, ClosedLoopReference::Plans(&[plan])).unwrap();
         let motion = known.motion(&arm.truth, &Unobserved).unwrap();
         let (n, block) = (arm.robot.dof(), 50);
         let intervals = known.in_intervals().unwrap();
@@ -64,7 +66,7 @@ fn analytic_slopes_of_intervals_are_central_differences() {
     for (name, rate_hz) in [("planar-2r", 500.0), ("crs-a460", 500.0), ("staubli-tx40", 1000.0)] {
         let arm = Arm::new(name);
         let plan = ExperimentPlan { rate_hz, discarded_periods: 1, ..short(&arm.robot).with_periods(1) };
-        let known = closed_loop(&arm.robot, &arm.nominal, &[plan]).unwrap();
+        let known = closed_loop(&arm.robot, &arm.nominal, ClosedLoopReference::Plans(&[plan])).unwrap();
         let block = 10;
         let nodes = passed(&*known, &arm, block, 5);
         let node = &nodes[1];

@@ -67,3 +67,9 @@ pub struct Claim {
     /// The numbers.
     pub quantities: Vec<Quantity>,
 }
+
+impl Claim {
+    pub(super) fn new(claim: &str, verdict: Verdict, rule: impl Into<String>, quantities: Vec<Quantity>) -> Self {
+        Self { claim: claim.to_owned(), verdict, rule: rule.into(), quantities }
+    }
+}

@@ -81,6 +81,14 @@ impl ClaimEvaluation<'_> {
         self.setup.samples(&design.trajectory, &mut *arm).ok()
     }
 
+    fn is_table_one(&self, design: &StudyDesign) -> bool {
+        self.setup.plan.designs[design.family].method == DesignMethod::TableOne
+    }
+
+    fn table_one(&self, designs: &[StudyDesign]) -> Option<usize> {
+        designs.iter().position(|design| self.is_table_one(design))
+    }
+
     /// Design → run → what is identified.
     fn fits(&self, designs: &[StudyDesign]) -> Vec<Vec<Fits>> {
         use rayon::prelude::*;
@@ -93,15 +101,15 @@ impl ClaimEvaluation<'_> {
             .par_iter()
             .enumerate()
             .map(|(index, design)| {
-                let table_one = self.setup.plan.designs[design.family].method == DesignMethod::TableOne;
-                (0..if table_one { RUNS } else { 1 }).filter_map(|run| fits(index, design, run)).collect()
+                (0..if self.is_table_one(design) { RUNS } else { 1 })
+                    .filter_map(|run| fits(index, design, run))
+                    .collect()
             })
             .collect()
     }
 
     fn table(&self, truth: &Truth, designs: &[StudyDesign], fits: &[Vec<Fits>]) -> Vec<TableLine> {
-        let table_one = designs.iter().position(|d| self.setup.plan.designs[d.family].method == DesignMethod::TableOne);
-        let of_table = table_one.map_or(&[][..], |index| &fits[index]);
+        let of_table = self.table_one(designs).map_or(&[][..], |index| &fits[index]);
         let rigid: Vec<DVector<f64>> = of_table.iter().map(|fits| fits.rigid.clone()).collect();
         let FittedModel { base, feasible, .. } = &self.rigid;
         let beta = base.beta(&truth.vector(&self.setup.robot, Columns::RIGID));
@@ -110,18 +118,15 @@ impl ClaimEvaluation<'_> {
 
     fn validity_claim(&self, designs: &[StudyDesign], fits: &[Vec<Fits>]) -> Claim {
         // Of each design with a fit: its condition number, whether nobody selected it, invalid values by either model.
-        let counts: Vec<(f64, bool, [f64; 2])> = designs
-            .iter()
-            .zip(fits)
-            .filter_map(|(design, fits)| {
-                let first = fits.first()?;
-                let invalid = [self.rigid.invalid(&first.rigid), self.whole.invalid(&first.whole)];
-                let plan = &self.setup.plan.designs[design.family];
-                // The best of several draws was selected by its criterion.
-                let unselected = plan.method == DesignMethod::Random && plan.evaluations == 1;
-                Some((design.certificate.condition, unselected, invalid.map(|count| count as f64)))
-            })
-            .collect();
+        let counted = |(design, fits): (&StudyDesign, &Vec<Fits>)| {
+            let first = fits.first()?;
+            let invalid = [self.rigid.invalid(&first.rigid), self.whole.invalid(&first.whole)];
+            let plan = &self.setup.plan.designs[design.family];
+            // The best of several draws was selected by its criterion.
+            let unselected = plan.method == DesignMethod::Random && plan.evaluations == 1;
+            Some((design.certificate.condition, unselected, invalid.map(|count| count as f64)))
+        };
+        let counts: Vec<(f64, bool, [f64; 2])> = designs.iter().zip(fits).filter_map(counted).collect();
         let mut quantities = Vec::new();
         let mut decisive = None;
         let models = [("rigid columns, no friction", &self.rigid), ("all columns", &self.whole)];
@@ -132,61 +137,53 @@ impl ClaimEvaluation<'_> {
                 let which = if unselected { "designs that no criterion selected" } else { "all designs" };
                 let values = of.base.rank();
                 let name = format!("{columns}; {which}");
-                quantities.push(Quantity::new(
-                    format!("invalid values of {values}, mean ({name})"),
-                    mean(&count),
-                    count.len(),
-                ));
+                let invalid = format!("invalid values of {values}, mean ({name})");
+                quantities.push(Quantity::new(invalid, mean(&count), count.len()));
                 let Some(rho) = rank_correlation(&condition, &count) else { continue };
                 let interval = rank_correlation_interval(rho, condition.len(), 0.95);
                 if model == 0 && unselected {
                     decisive = interval;
                 }
-                quantities.push(
-                    Quantity::new(
-                        format!("rank correlation of the number of invalid values with the condition number ({name})"),
-                        rho,
-                        condition.len(),
-                    )
-                    .with_interval(interval),
-                );
+                let name =
+                    format!("rank correlation of the number of invalid values with the condition number ({name})");
+                quantities.push(Quantity::new(name, rho, condition.len()).with_interval(interval));
             }
         }
-        Claim {
-            claim: "The number of invalid values grows with the condition number (section IV.C).".to_owned(),
-            verdict: match decisive {
-                Some(i) if i.low > 0.0 => Verdict::Holds,
-                Some(i) if i.high < 0.0 => Verdict::DoesNotHold,
-                _ => Verdict::Undecided,
-            },
-            rule: format!(
+        let verdict = match decisive {
+            Some(i) if i.low > 0.0 => Verdict::Holds,
+            Some(i) if i.high < 0.0 => Verdict::DoesNotHold,
+            _ => Verdict::Undecided,
+        };
+        Claim::new(
+            "The number of invalid values grows with the condition number (section IV.C).",
+            verdict,
+            format!(
                 "A value is invalid where no links of at most {MAX_LINK_MASS} kg inside their shapes can have it, rotors and \
                  friction of any size above zero. It holds where the interval of Spearman's rank correlation lies above zero, \
                  over designs that no criterion selected, by the rigid columns as in `radkhah2007`."
             ),
             quantities,
-        }
+        )
     }
 
     fn printed_claim(&self, table: &[TableLine]) -> Claim {
         let printed: Vec<&TableLine> = table.iter().filter(|line| line.printed.is_some()).collect();
         let valid = printed.iter().filter(|line| line.printed_valid == Some(true)).count();
-        Claim {
-            claim: "32 of the 36 identifiable parameters have reasonable values (section IV.C, Table II).".to_owned(),
-            verdict: if valid == printed.len() { Verdict::Holds } else { Verdict::HoldsInPart },
-            rule: format!(
+        Claim::new(
+            "32 of the 36 identifiable parameters have reasonable values (section IV.C, Table II).",
+            if valid == printed.len() { Verdict::Holds } else { Verdict::HoldsInPart },
+            format!(
                 "It holds where each printed value can belong to links of at most {MAX_LINK_MASS} kg inside their \
                  shapes, taken one at a time."
             ),
-            quantities: vec![Quantity::new("printed values that such an arm can have", valid as f64, printed.len())],
-        }
+            vec![Quantity::new("printed values that such an arm can have", valid as f64, printed.len())],
+        )
     }
 
     /// With the encoders' counts against exact positions, everything else equal.
     fn position_claim(&self, designs: &[StudyDesign]) -> Claim {
         let exact = Sensing { encoders: false, ..Sensing::default() };
-        let table_one = designs.iter().position(|d| self.setup.plan.designs[d.family].method == DesignMethod::TableOne);
-        let index = table_one.unwrap_or(0);
+        let index = self.table_one(designs).unwrap_or(0);
         let rmse = |sensing: &Sensing, run: u64| -> Option<f64> {
             let samples = self.samples(&designs[index], index, sensing, run)?;
             let estimates = self.setup.estimates(&samples, 0);
@@ -201,21 +198,14 @@ impl ClaimEvaluation<'_> {
             Some(i) if i.low > 1.1 => Verdict::DoesNotHold,
             _ => Verdict::Undecided,
         };
-        Claim {
-            claim: "The noise of position sensing is probably negligible (section V).".to_owned(),
+        let name = "prediction RMSE with encoder counts over that with exact positions";
+        Claim::new(
+            "The noise of position sensing is probably negligible (section V).",
             verdict,
-            rule: "It holds where counting encoders raise the torque prediction error by less than 10 % against exact \
-                   positions, runs paired, interval by Student's t on the logarithm."
-                .to_owned(),
-            quantities: vec![
-                Quantity::new(
-                    "prediction RMSE with encoder counts over that with exact positions",
-                    libm::exp(mean(&ratios)),
-                    ratios.len(),
-                )
-                .with_interval(interval),
-            ],
-        }
+            "It holds where counting encoders raise the torque prediction error by less than 10 % against exact \
+             positions, runs paired, interval by Student's t on the logarithm.",
+            vec![Quantity::new(name, libm::exp(mean(&ratios)), ratios.len()).with_interval(interval)],
+        )
     }
 
     /// What happens to the torque when a controller leaves out the masses of the last three links.
@@ -254,52 +244,40 @@ impl ClaimEvaluation<'_> {
         };
         let (dropped, kept) = (share(torque(&without)), share(torque(&regrouped)));
         let samples = full.len() / setup.robot.dof();
-        Claim {
-            claim: "The parameters that are missing do not matter for control, the masses of links 4 to 6 in \
-                    particular (section IV.C)."
-                .to_owned(),
-            verdict: regrouping_verdict(kept, dropped),
-            rule: "In part: their values alone change no torque as long as the combinations that hold them are kept; \
-                   leaving them out of the model without regrouping does. Change of the RMS torque on the validation \
-                   trajectories, nominal parameters."
-                .to_owned(),
-            quantities: vec![
+        Claim::new(
+            "The parameters that are missing do not matter for control, the masses of links 4 to 6 in \
+             particular (section IV.C).",
+            regrouping_verdict(kept, dropped),
+            "In part: their values alone change no torque as long as the combinations that hold them are kept; \
+             leaving them out of the model without regrouping does. Change of the RMS torque on the validation \
+             trajectories, nominal parameters.",
+            vec![
                 Quantity::new("relative torque change, masses set to zero and regrouped", kept, samples),
                 Quantity::new("relative torque change, masses set to zero and left out", dropped, samples),
             ],
-        }
+        )
     }
 
     fn moving_base_claim(&self) -> Result<Claim, StudyError> {
         let (robot, seed) = (&self.setup.robot, self.setup.plan.seed);
         let moving = reduce_with_base(robot, Columns::RIGID, BaseMotion::Free, Method::Structural, seed)?;
-        let hidden = self.rigid.base.parameters.len() - self.rigid.base.rank();
-        let gained = moving.rank() - self.rigid.base.rank();
-        Ok(Claim {
-            claim: "On a mobile base the 9 unidentifiable parameters of axis 1 might be identified too (section IV.C)."
-                .to_owned(),
-            verdict: match gained {
-                0 => Verdict::DoesNotHold,
-                9 => Verdict::Holds,
-                _ => Verdict::HoldsInPart,
-            },
-            rule: "Rank of the joint torque regressor with a prescribed motion of the base in six degrees of freedom \
-                   against a fixed base. All nine would raise it by nine."
-                .to_owned(),
-            quantities: vec![
-                Quantity::new(
-                    "rank with a fixed base",
-                    self.rigid.base.rank() as f64,
-                    self.rigid.base.parameters.len(),
-                ),
-                Quantity::new("rank with a moving base", moving.rank() as f64, self.rigid.base.parameters.len()),
-                Quantity::new(
-                    "parameters without a column of their own, fixed base",
-                    hidden as f64,
-                    self.rigid.base.parameters.len(),
-                ),
+        let (fixed, all) = (self.rigid.base.rank(), self.rigid.base.parameters.len());
+        let verdict = match moving.rank() - fixed {
+            0 => Verdict::DoesNotHold,
+            9 => Verdict::Holds,
+            _ => Verdict::HoldsInPart,
+        };
+        Ok(Claim::new(
+            "On a mobile base the 9 unidentifiable parameters of axis 1 might be identified too (section IV.C).",
+            verdict,
+            "Rank of the joint torque regressor with a prescribed motion of the base in six degrees of freedom \
+             against a fixed base. All nine would raise it by nine.",
+            vec![
+                Quantity::new("rank with a fixed base", fixed as f64, all),
+                Quantity::new("rank with a moving base", moving.rank() as f64, all),
+                Quantity::new("parameters without a column of their own, fixed base", (all - fixed) as f64, all),
             ],
-        })
+        ))
     }
 }
 
@@ -314,12 +292,8 @@ const fn regrouping_verdict(kept: f64, dropped: f64) -> Verdict {
 
 fn criterion_claim(setup: &StudySetup, findings: &Findings) -> Claim {
     let family = |kind: CriterionKind| {
-        setup
-            .plan
-            .designs
-            .iter()
-            .find(|f| f.method == DesignMethod::Optimised && f.criterion.as_deref() == Some(kind.name()))
-            .map(|f| f.name.clone())
+        let mut optimised = setup.plan.designs.iter().filter(|f| f.method == DesignMethod::Optimised);
+        optimised.find(|f| f.criterion.as_deref() == Some(kind.name())).map(|f| f.name.clone())
     };
     let pair = family(CriterionKind::Condition).zip(family(CriterionKind::DOptimal));
     let comparison = pair.and_then(|(condition, d)| {
@@ -339,41 +313,31 @@ fn criterion_claim(setup: &StudySetup, findings: &Findings) -> Claim {
         Some(_) => Verdict::DoesNotHold,
         None => Verdict::Undecided,
     };
-    Claim {
-        claim: "Designs for the condition number do slightly better than D-optimal ones (sections IV.C, VI)."
-            .to_owned(),
+    let quantity = comparison.map(|c| {
+        let name = format!("prediction RMSE, {} over {}", c.first, c.second);
+        Quantity::new(name, c.difference, runs(&c.first) + runs(&c.second)).with_interval(c.interval)
+    });
+    Claim::new(
+        "Designs for the condition number do slightly better than D-optimal ones (sections IV.C, VI).",
         verdict,
-        rule: "By the torque prediction RMSE of weighted least squares on held-out trajectories: it holds \
-               where the ratio is below one with a p-value below 0.05, adjusted for all pairs of criteria (Holm). Experiment 01 asks with more runs and metrics."
-            .to_owned(),
-        quantities: comparison
-            .map(|c| {
-                Quantity::new(
-                    format!("prediction RMSE, {} over {}", c.first, c.second),
-                    c.difference,
-                    runs(&c.first) + runs(&c.second),
-                )
-                .with_interval(c.interval)
-            })
-            .into_iter()
-            .collect(),
-    }
+        "By the torque prediction RMSE of weighted least squares on held-out trajectories: it holds \
+         where the ratio is below one with a p-value below 0.05, adjusted for all pairs of criteria (Holm). Experiment 01 asks with more runs and metrics.",
+        quantity.into_iter().collect(),
+    )
 }
 
 /// How much of its whole gain an optimisation has made after three iterations from the start of `radkhah2007`.
 fn iterations_claim(setup: &StudySetup, designs: &[StudyDesign]) -> Claim {
-    let shares: Vec<f64> = designs
-        .iter()
-        .filter(|design| setup.plan.designs[design.family].method == DesignMethod::Optimised)
-        .filter_map(|design| {
-            let is_d_optimal = design.criterion.as_deref() == Some(CriterionKind::DOptimal.name());
-            let of = |value: f64| if is_d_optimal { value } else { -libm::log(value) };
-            let first = of(design.history.first()?.value);
-            let third = of(design.history.get(ITERATIONS)?.value);
-            let last = design.history.iter().map(|p| of(p.value)).fold(f64::NEG_INFINITY, f64::max);
-            (last > first).then(|| (third - first) / (last - first))
-        })
-        .collect();
+    let is_optimised = |design: &&StudyDesign| setup.plan.designs[design.family].method == DesignMethod::Optimised;
+    let share = |design: &StudyDesign| {
+        let is_d_optimal = design.criterion.as_deref() == Some(CriterionKind::DOptimal.name());
+        let of = |value: f64| if is_d_optimal { value } else { -libm::log(value) };
+        let first = of(design.history.first()?.value);
+        let third = of(design.history.get(ITERATIONS)?.value);
+        let last = design.history.iter().map(|p| of(p.value)).fold(f64::NEG_INFINITY, f64::max);
+        (last > first).then(|| (third - first) / (last - first))
+    };
+    let shares: Vec<f64> = designs.iter().filter(is_optimised).filter_map(share).collect();
     let median = quantile(&shares, 0.5);
     let best = quantile(&shares, 1.0);
     let verdict = match median {
@@ -383,24 +347,17 @@ fn iterations_claim(setup: &StudySetup, designs: &[StudyDesign]) -> Claim {
         None => Verdict::Undecided,
     };
     let named = [("median", median), ("largest", best), ("smallest", quantile(&shares, 0.0))];
-    Claim {
-        claim: "Thanks to the least-squares start the optimisation is done after 3 iterations (section III.B)."
-            .to_owned(),
+    let quantity = |(which, value): (&str, Option<f64>)| {
+        let name = format!("share of the gain after 3 iterations, {which} over designs");
+        Some(Quantity::new(name, value?, shares.len()))
+    };
+    Claim::new(
+        "Thanks to the least-squares start the optimisation is done after 3 iterations (section III.B).",
         verdict,
-        rule: "Done means 99 % of the gain in ln κ or ln det M that the optimiser makes in the end, from the \
-               first guess of `radkhah2007` (with the slip of its eqs. 7 and 8 corrected)."
-            .to_owned(),
-        quantities: named
-            .into_iter()
-            .filter_map(|(which, value)| {
-                Some(Quantity::new(
-                    format!("share of the gain after 3 iterations, {which} over designs"),
-                    value?,
-                    shares.len(),
-                ))
-            })
-            .collect(),
-    }
+        "Done means 99 % of the gain in ln κ or ln det M that the optimiser makes in the end, from the \
+         first guess of `radkhah2007` (with the slip of its eqs. 7 and 8 corrected).",
+        named.into_iter().filter_map(quantity).collect(),
+    )
 }
 
 #[cfg(test)]

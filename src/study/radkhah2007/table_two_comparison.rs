@@ -43,24 +43,21 @@ pub fn compare_with_table_two(
     feasible: &[Interval],
 ) -> Vec<TableLine> {
     let printed = table_two();
-    base.kept
-        .iter()
-        .enumerate()
-        .map(|(i, &column)| {
-            let id = base.parameters[column];
-            let row = printed.iter().find(|row| row.parameter == id);
-            TableLine {
-                name: id.to_string(),
-                expression: expressions[i].clone(),
-                unit: id.kind.unit(JointKind::Revolute).to_owned(),
-                printed: row.map(|row| row.value),
-                printed_valid: row.map(|row| feasible[i].contains(row.value)),
-                truth: truth[i],
-                rigid: estimates.iter().map(|beta| beta[i]).sum::<f64>() / estimates.len().max(1) as f64,
-                rigid_invalid: estimates.iter().filter(|beta| !feasible[i].contains(beta[i])).count(),
-                runs: estimates.len(),
-                feasible: feasible[i],
-            }
-        })
-        .collect()
+    let line = |(i, &column): (usize, &usize)| {
+        let id = base.parameters[column];
+        let row = printed.iter().find(|row| row.parameter == id);
+        TableLine {
+            name: id.to_string(),
+            expression: expressions[i].clone(),
+            unit: id.kind.unit(JointKind::Revolute).to_owned(),
+            printed: row.map(|row| row.value),
+            printed_valid: row.map(|row| feasible[i].contains(row.value)),
+            truth: truth[i],
+            rigid: estimates.iter().map(|beta| beta[i]).sum::<f64>() / estimates.len().max(1) as f64,
+            rigid_invalid: estimates.iter().filter(|beta| !feasible[i].contains(beta[i])).count(),
+            runs: estimates.len(),
+            feasible: feasible[i],
+        }
+    };
+    base.kept.iter().enumerate().map(line).collect()
 }

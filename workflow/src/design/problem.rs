@@ -43,7 +43,7 @@ pub(super) fn problem(loaded: &LoadedRobot, settings: &DesignSettings) -> Result
         if !criterion.is_weighted() {
             let message = format!(
                 "earlier estimates with criterion {}, expected one of the information: d-optimal, a-optimal, e-optimal, \
-                 i-optimal or model-error",
+                 i-optimal, model-error or measured-torque",
                 criterion.name()
             );
             return Err(Error::new(message));
@@ -106,23 +106,23 @@ fn declare_use(
     loaded: &LoadedRobot,
     problem: &mut DesignProblem,
 ) -> Result<(), Error> {
-    let is_model_error = criterion.expects_effects();
+    let expects_effects = criterion.expects_effects();
     let refused = |found: &str, expected: &str| -> Result<(), Error> {
         Err(Error::new(format!("{found} with criterion {}, expected {expected}", criterion.name())))
     };
-    if !settings.expected.is_none() && !is_model_error {
-        return refused("expected effects", "model-error");
+    if !settings.expected.is_none() && !expects_effects {
+        return refused("expected effects", "model-error or measured-torque");
     }
     if !settings.predict.is_empty() {
         if !criterion.asks_for_prediction() {
-            return refused("motions to predict", "i-optimal or model-error");
+            return refused("motions to predict", "i-optimal, model-error or measured-torque");
         }
         let named = settings.predict.iter();
         let motions = named.map(|name| trajectory::load(name, None, problem.robot())).collect::<Result<_, Error>>()?;
         let motions = EvaluationMotions::new(motions, problem.robot().dof()).map_err(Error::of)?;
         problem.set_evaluation(motions).map_err(Error::of)?;
     }
-    if !is_model_error {
+    if !expects_effects {
         return Ok(());
     }
     let Some(nominal) = loaded.guess() else {
@@ -134,9 +134,10 @@ fn declare_use(
     let robot = problem.robot();
     let rows = robot.dof() as f64 * settings.period_s * robot.servo().rate_hz * settings.periods as f64;
     let declared = settings.expected.clone();
-    let effects = if declared.is_none() { Effects::expected_by_default() } else { declared };
+    let effects = if declared.is_none() { Effects::expected_by(criterion) } else { declared };
     let expected = effects.expected(robot, nominal);
     let expected = expected.map_err(|error| Error::new(format!("expected effects: {error}")))?;
+    let expected = if criterion.predicts_measured_torque() { expected.carried() } else { expected };
     problem.set_rows(rows).map_err(Error::of)?;
     problem.set_expected(expected).map_err(Error::of)
 }

@@ -239,12 +239,11 @@ impl Fitted<'_> {
         own: &Robot,
         observer: &dyn Observer,
     ) -> Result<Vec<Lacking>, Error> {
-        let mut candidates: Vec<(&'static str, Columns, &Robot)> = estimated
-            .terms()
-            .filter(|term| !self.columns.has(*term))
-            .map(|term| (term.entry().meaning, self.columns.with(term), self.robot))
-            .filter(|(_, columns, robot)| columns.parameters(robot).len() > self.columns.parameters(robot).len())
-            .collect();
+        let of = |columns: Columns| columns.parameters(self.robot).len();
+        let terms = estimated.terms().filter(|term| !self.columns.has(*term));
+        let with = terms.map(|term| (term.entry().meaning, self.columns.with(term), self.robot));
+        let mut candidates: Vec<(&'static str, Columns, &Robot)> =
+            with.filter(|(_, columns, _)| of(*columns) > of(self.columns)).collect();
         let onset = |robot: &Robot| robot.joints().iter().any(|joint| joint.drive.coulomb_velocity > 0.0);
         if onset(own) && !onset(self.robot) {
             candidates.push(("Coulomb friction that sets in softly", self.columns, own));
@@ -272,7 +271,7 @@ impl Fitted<'_> {
 
     fn compared(&self, log: &ProcessedLog, what: &'static str, richer: &Model<'_>) -> Result<Lacking, Error> {
         let error = PredictionError::of(&log.model_residual(richer, what)?).fit;
-        let named = |error: armid::estimation::EstimationError| Error::new(error.to_string());
+        let named = |error: armid::estimation::EstimationError| Error::of(error);
         let states = &log.samples.states;
         let own = Model { robot: self.robot, parameters: self.parameters }.predict(states).map_err(named)?;
         let other = richer.predict(states).map_err(named)?;

@@ -63,7 +63,13 @@ pub fn identify(
     let stated = log.robot.robot.clone();
     log.closed_loops.get_or_insert(closed_loop);
     let seeks = settings.onset_speed.unwrap_or_else(|| among.is_some() || log.has_no_periods());
-    let mut onset = if seeks { log.find_onset(among.map_or(columns, basic), observer)? } else { None };
+    let mut onset = match log.servo().is_some_and(|servo| !servo.unknown.is_empty()) {
+        _ if !seeks => None,
+        false => log.find_onset(among.map_or(columns, basic), observer)?,
+        // What other estimators lack is said below.
+        true if settings.estimators != [EstimatorKind::Cloe] => None,
+        true => onset_by_servo(&mut log, columns, observer)?,
+    };
     let mut selection = among.map(|among| log.select_watched(among, observer)).transpose()?;
     if let Some(selection) = &mut selection {
         selection.terms.splice(0..0, onset.as_ref().map(FrictionSpeeds::evidence));
@@ -88,6 +94,9 @@ pub fn identify(
     let listed = settings.estimators.iter().map(|kind| kind.estimator());
     let estimators: Vec<&dyn Estimator> = listed.chain(settings.others.iter().map(|own| &**own)).collect();
     let estimates = log.identify_watched(columns, &estimators, observer)?;
+    if let Some(first) = estimates.first() {
+        log.take_servo(first, NAME)?;
+    }
     // What was ended returns at once.
     let ended = estimates.iter().any(|one| matches!(one.termination, Termination::Interrupted { .. }));
     let latch = Latch::new(observer);
@@ -105,6 +114,26 @@ pub fn identify(
         None => None,
     };
     Ok(IdentifyAnswer { log, inputs, estimates, suspicions, selection, onset, speeds, transmissions, interrupted })
+}
+
+/// The onset of friction in torque by the servos that are estimated, first with the onset that a guess of them shows: a law that jumps is
+/// not simulated.
+fn onset_by_servo(
+    log: &mut ProcessedLog,
+    columns: Columns,
+    observer: &dyn Observer,
+) -> Result<Option<FrictionSpeeds>, Error> {
+    if log.find_onset(columns, observer)?.is_none() {
+        return Ok(None);
+    }
+    let found = log.identify_watched(columns, &[EstimatorKind::Cloe.estimator()], observer)?;
+    let mut known = log.clone();
+    if let Some(found) = found.first() {
+        known.take_servo(found, NAME)?;
+    }
+    let onset = known.find_onset(columns, observer)?;
+    log.robot = known.robot;
+    Ok(onset)
 }
 
 /// Those of these columns beside which the onset of Coulomb friction is looked for before terms are selected.

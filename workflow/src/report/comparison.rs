@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use armid::estimation::{Comparison, Estimate, compare};
 use armid_io::output::{pretty, write_text};
 use armid_io::{Error, Text, estimate, robot};
-use armid_reports::{ComparisonInput, Prediction, comparison_document};
+use armid_reports::{ComparisonInput, Prediction, Sheet, comparison_document};
 use serde::{Deserialize, Serialize};
 
 use super::page::write_document;
@@ -82,7 +82,7 @@ fn joint_names(estimate: &Estimate) -> Vec<String> {
 ///
 /// # Errors
 /// [`Error`] where a file cannot be read or written, or the estimates are of unlike robots or parameters.
-pub fn write_comparison(folder: &Path, first: &Path, second: &Path) -> Result<ComparisonAnswer, Error> {
+pub fn write_comparison(folder: &Path, first: &Path, second: &Path, sheet: Sheet) -> Result<ComparisonAnswer, Error> {
     let (first, second) = (read(first)?, read(second)?);
     let comparison =
         compare(&first.estimate, &second.estimate).map_err(|error| Error::new(format!("the estimates: {error}")))?;
@@ -93,7 +93,7 @@ pub fn write_comparison(folder: &Path, first: &Path, second: &Path) -> Result<Co
         labels: [first.label, second.label],
         predictions: [first.prediction, second.prediction],
     };
-    let page = write_document(folder, comparison_document(&input))?;
+    let page = write_document(folder, comparison_document(&input), sheet)?;
     let answer = ComparisonAnswer { page, labels: input.labels, comparison: input.comparison };
     write_text(&folder.join("comparison.json"), &pretty(&serde_json::to_value(&answer).map_err(Error::of)?))?;
     Ok(answer)

@@ -9,7 +9,7 @@ use armid::signal::Samples;
 use armid_io::recording::TorqueView;
 use armid_io::{Error, Inputs, ProcessedLog};
 use armid_reports::{
-    DocumentError, EstimateInput, Figure, ParameterRow, ResidualDiagnostics, ResidualShares, ResidualTrace,
+    DocumentError, EstimateInput, Figure, ParameterRow, ResidualDiagnostics, ResidualShares, ResidualTrace, Sheet,
     TorqueTrace, estimate_document, torque_figure,
 };
 
@@ -34,13 +34,14 @@ pub fn write_estimate_report(
     (estimate, name): (&Estimate, &str),
     log: &ProcessedLog,
     inputs: &Inputs,
+    sheet: Sheet,
     observer: &dyn Observer,
 ) -> Result<PathBuf, Error> {
     let page = Page { estimate, prepared: log, name };
     let steps = Counter::new(observer, Work::Steps, 4);
     let input = page.input(inputs, &steps)?;
     steps.begin(name)?;
-    write_document(folder, estimate_document(&input))
+    write_document(folder, estimate_document(&input), sheet)
 }
 
 /// Measured and predicted torque of an estimate, which errors call `name`: on what is held out where anything is, else on the first

@@ -3,14 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use armid_io::Error;
-use armid_io::output::write_text;
-use armid_reports::{Document, DocumentError};
+use armid_io::output::{write, write_text};
+use armid_reports::{Document, DocumentError, Sheet};
 
-/// Writes the page and its figures into a folder; returns the page.
-pub(super) fn write_document(folder: &Path, document: Result<Document, DocumentError>) -> Result<PathBuf, Error> {
+/// Writes the page, and its figures for a sheet, into a folder; returns the page.
+pub(super) fn write_document(
+    folder: &Path,
+    document: Result<Document, DocumentError>,
+    sheet: Sheet,
+) -> Result<PathBuf, Error> {
     let (document, page) = (document.map_err(cannot_be_drawn)?, folder.join("report.html"));
-    for (name, svg) in document.svg_files().map_err(cannot_be_drawn)? {
-        write_text(&folder.join(name), svg)?;
+    for (name, content) in document.files(sheet).map_err(cannot_be_drawn)? {
+        write(&folder.join(name), |file| file.write_all(&content))?;
     }
     write_text(&page, &document.html().map_err(cannot_be_drawn)?)?;
     Ok(page)

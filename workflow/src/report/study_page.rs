@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use armid::study::{CriterionRatios, ReportInput, RobotsSummary};
+use armid::study::{CriterionRatios, EffectLevels, ReportInput, RobotsSummary};
 use armid_io::Error;
 use armid_io::output::write_text;
-use armid_io::study::write_ratios;
-use armid_reports::{DocumentError, Figure, criteria_figure, robots_document, study_document};
+use armid_io::study::write_figure_numbers;
+use armid_reports::{DocumentError, Figure, Sheet, criteria_figure, levels_figure, robots_document, study_document};
 
 use super::page::{cannot_be_drawn, write_document};
 
@@ -14,16 +14,16 @@ use super::page::{cannot_be_drawn, write_document};
 ///
 /// # Errors
 /// [`Error`] where a figure cannot be drawn or written.
-pub fn write_report(folder: &Path, input: &ReportInput) -> Result<PathBuf, Error> {
-    write_document(folder, study_document(input))
+pub fn write_report(folder: &Path, input: &ReportInput, sheet: Sheet) -> Result<PathBuf, Error> {
+    write_document(folder, study_document(input), sheet)
 }
 
 /// Draws the page of one study on several robots; returns it.
 ///
 /// # Errors
 /// [`Error`] where a figure cannot be drawn or written.
-pub fn write_robots_report(folder: &Path, summary: &RobotsSummary) -> Result<PathBuf, Error> {
-    write_document(folder, robots_document(summary))
+pub fn write_robots_report(folder: &Path, summary: &RobotsSummary, sheet: Sheet) -> Result<PathBuf, Error> {
+    write_document(folder, robots_document(summary), sheet)
 }
 
 /// Draws criteria under single effects on several robots, and stores the numbers beside the figure; returns the figure.
@@ -31,9 +31,27 @@ pub fn write_robots_report(folder: &Path, summary: &RobotsSummary) -> Result<Pat
 /// # Errors
 /// [`Error`] where it cannot be drawn or written.
 pub fn write_criteria(folder: &Path, robots: &[CriterionRatios]) -> Result<PathBuf, Error> {
-    let figure = criteria_figure(robots);
+    let path = write_figure(folder, &criteria_figure(robots))?;
+    write_figure_numbers(&path.with_extension("json"), robots)?;
+    Ok(path)
+}
+
+/// Draws criteria over the size of each effect, and stores the numbers of all beside the figures; returns the figures.
+///
+/// # Errors
+/// [`Error`] if there is no effect with sizes, or where a figure cannot be drawn or written.
+pub fn write_levels(folder: &Path, effects: &[EffectLevels]) -> Result<Vec<PathBuf>, Error> {
+    if effects.is_empty() {
+        let message = "no effect has a scenario without it and two sizes, each compared with d-optimal designs";
+        return Err(Error::new(message));
+    }
+    let figures = effects.iter().map(|levels| write_figure(folder, &levels_figure(levels))).collect();
+    write_figure_numbers(&folder.join("levels.json"), effects)?;
+    figures
+}
+
+fn write_figure(folder: &Path, figure: &dyn Figure) -> Result<PathBuf, Error> {
     let path = folder.join(format!("{}.svg", figure.name()));
     write_text(&path, &figure.svg().map_err(DocumentError::from).map_err(cannot_be_drawn)?)?;
-    write_ratios(&path.with_extension("json"), robots)?;
     Ok(path)
 }

@@ -31,17 +31,14 @@ impl PreparedStudy {
     /// [`Error`] where the robot cannot be read, the study does not fit it, or one of its arms cannot be built.
     pub fn new(plan: StudyPlan, beside: Option<&Path>, own: &OwnMethods) -> Result<Self, Error> {
         let loaded = robot::load(&plan.robot, &ChainEnds::default(), beside)?;
-        let arms = plan
-            .conditions()
-            .iter()
-            .map(|condition| {
-                let engine = Engine::parse(&condition.engine)
-                    .ok_or_else(|| Error::new(format!("there is no engine \"{}\"", condition.engine)))?;
-                let arm = simulated_arm(&loaded, engine, plan.effects.and(&condition.effects))?;
-                arm.servo(&Sensing::ideal()).map_err(|error| Error::new(format!("arm {error}")))?;
-                Ok(arm)
-            })
-            .collect::<Result<Vec<_>, Error>>()?;
+        let mut arms = Vec::new();
+        for condition in plan.conditions() {
+            let engine = Engine::parse(&condition.engine)
+                .ok_or_else(|| Error::new(format!("there is no engine \"{}\"", condition.engine)))?;
+            let arm = simulated_arm(&loaded, engine, plan.effects.and(&condition.effects))?;
+            arm.servo(&Sensing::ideal()).map_err(|error| Error::new(format!("arm {error}")))?;
+            arms.push(arm);
+        }
         let first = &arms[0];
         let setup =
             StudySetup::with_methods(plan, first.robot().clone(), first.nominal().clone(), first.truth(), own.clone());

@@ -9,7 +9,7 @@ use super::answer::{RobotsAnswer, StudyAnswer};
 use super::part::Part;
 use super::prepared::PreparedStudy;
 use super::settings::StudySettings;
-use crate::report::write_robots_report;
+use crate::report::{Sheet, write_robots_report};
 
 /// Performs the study on each robot in a folder of its own, and sums up what they say. A robot whose study is stored there is
 /// not performed again where the study is resumed.
@@ -54,6 +54,6 @@ pub(super) fn perform(
     let stored = studies.iter().map(|(_, folder)| Ok(read_study(folder)?.result));
     let summary = RobotsSummary::of(&stored.collect::<Result<Vec<StudyResult>, Error>>()?);
     write_robots(output, &summary)?;
-    let report = write_robots_report(&output.join("report"), &summary)?;
+    let report = write_robots_report(&output.join("report"), &summary, Sheet::Screen)?;
     Ok(StudyAnswer::OnRobots(Box::new(RobotsAnswer { summary, report, without_result })))
 }

@@ -13,7 +13,7 @@ use armid_io::text::Text;
 
 use super::answer::StudySummary;
 use super::performance::{Performance, Performed};
-use crate::report::write_report;
+use crate::report::{Sheet, write_report};
 
 /// The order in which work is stored, and the place of each design in it.
 type Stored = (RunOrder, Vec<usize>);
@@ -51,7 +51,7 @@ impl Performance<'_> {
         let (runs, failed) = (self.order.len(), numbers.failed());
         // Where every run failed there is nothing to draw; the rows and the summary say how each ended.
         let report: Option<PathBuf> =
-            if failed < runs { Some(write_report(&self.output.join("report"), &input)?) } else { None };
+            if failed < runs { Some(write_report(&self.output.join("report"), &input, Sheet::Screen)?) } else { None };
         work.remove()?;
         Ok(StudySummary { result: input.result, runs, failed, report, looks: None })
     }

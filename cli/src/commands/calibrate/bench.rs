@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use armid::calibration::Measured;
 use armid::experiment::Recording;
 use armid::input::check_file_name;
-use armid::model::Robot;
+use armid::model::{Joint, Robot};
 use armid::trajectory::{ConstantSpeedTrajectory, PeriodicTrajectory};
 use armid_io::output::pretty;
 use armid_io::recording::{FileSink, McapSink, check_free};
@@ -18,7 +19,7 @@ use crate::arguments::{RobotArguments, one_of};
 use crate::arms::{self, Experiment};
 use crate::commands::run::notes;
 use crate::interrupt;
-use crate::terminal::{Console, report_folder};
+use crate::terminal::{Console, Table, report_folder};
 
 /// Which joint, how fast, on which arm.
 #[derive(Debug, clap::Args)]
@@ -80,7 +81,7 @@ impl BenchArguments {
             Some(path) => path.with_extension(""),
             None => {
                 let folder = report_folder("name of the robot", &format!("{}-{what}", loaded.robot.name()))?;
-                check_file_name("name of the joint", name).map_err(|error| Error::new(error.to_string()))?;
+                check_file_name("name of the joint", name).map_err(Error::of)?;
                 folder.join(name)
             }
         };
@@ -101,13 +102,7 @@ impl BenchArguments {
                 path
             }
         };
-        let log = Log::read(&path)?;
-        let Some(recording) = log.recording else {
-            let message = format!("{} was not recorded by armid, expected a recording with its plan", log.name);
-            let help = "--plan-only writes the motion, `armid run` performs and records it";
-            return Err(Error::new(message).help(help).into());
-        };
-        bench.recording = Some(recording);
+        bench.recording = Some(Log::read(&path)?.into_recording()?);
         Ok(bench)
     }
 
@@ -159,17 +154,14 @@ impl BenchArguments {
             }
             _ => (-1.5, 1.5),
         };
+        let nearest_to_zero = |joint: &Joint| 0.0_f64.clamp(joint.limits.position.0, joint.limits.position.1);
         let pose: Vec<f64> = match &self.pose_deg {
             Some(pose) if pose.len() == robot.dof() => pose.iter().map(si).collect(),
             Some(pose) => {
                 let message = format!("--pose-deg has {} angles, expected {}", pose.len(), robot.dof());
                 return Err(Error::new(message).into());
             }
-            None => robot
-                .joints()
-                .iter()
-                .map(|joint| 0.0_f64.clamp(joint.limits.position.0, joint.limits.position.1))
-                .collect(),
+            None => robot.joints().iter().map(nearest_to_zero).collect(),
         };
         let top = if limits.velocity.is_finite() { limits.velocity } else { 1.0 };
         let mut speeds: Vec<f64> = self.speeds.iter().map(|share| share * top).collect();
@@ -178,16 +170,12 @@ impl BenchArguments {
             return Err(Error::new(format!("--speeds is {:?}, expected shares above zero", self.speeds)).into());
         }
         ConstantSpeedTrajectory::there_and_back(robot, joint, &speeds, &pose, (low, high))
-            .map_err(|fault| Error::new(fault.to_string()).help("lower --speeds or a wider --range-deg").into())
+            .map_err(|fault| Error::of(fault).help("lower --speeds or a wider --range-deg").into())
     }
 
     fn perform(&self, experiment: &Path, path: &Path) -> Result<()> {
         let experiment = Experiment::load(&experiment.display().to_string())?;
-        experiment
-            .planned
-            .plan
-            .check_limits(&experiment.planned.robot.robot)
-            .map_err(|fault| Error::new(fault.to_string()))?;
+        experiment.planned.plan.check_limits(&experiment.planned.robot.robot).map_err(Error::of)?;
         let mut sink = Box::new(McapSink::new(path, notes(&experiment), |_| {}).stopping_when(interrupt::asked));
         let performed = arms::perform(experiment.arm, &experiment, None, &mut *sink)?;
         if !performed.ending.is_complete() {
@@ -229,6 +217,17 @@ impl Bench {
     pub(super) fn list(&self) -> String {
         self.written.iter().map(|path| format!("  {}\n", path.display())).collect()
     }
+}
+
+/// What was measured with its intervals: name, value, decimals, unit.
+pub(super) fn values(rows: &[(&str, Option<Measured>, usize, &str)]) -> Table {
+    let mut table = Table::of(" | #value | #std | #95 % interval | # | unit");
+    for &(name, value, decimals, unit) in rows {
+        let Some(Measured { value, std, ci95: [low, high] }) = value else { continue };
+        let [value, std, low, high] = [value, std, low, high].map(|x| format!("{x:.decimals$}"));
+        table.row([name.to_owned(), value, std, low, high, unit.to_owned()]);
+    }
+    table
 }
 
 /// A joint by its name, or by its number from one; from zero.

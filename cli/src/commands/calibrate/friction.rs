@@ -6,8 +6,8 @@ use armid_reports::{Axis, GroupStyle, Heading, Reference, ScatterFigure, Scatter
 use miette::Result;
 use serde_json::json;
 
-use super::bench::{Bench, BenchArguments};
-use crate::terminal::{Answer, Console, Ending, Table};
+use super::bench::{Bench, BenchArguments, values};
+use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
 Moving there and back over the same positions cancels gravity in half the difference of the torques. What \
@@ -28,7 +28,7 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         console.show(&Answer { text: bench.list(), json: json!({ "written": bench.written }) })?;
         return Ok(Ending::Done);
     };
-    let found = friction(recording, &bench.loaded.robot, bench.joint).map_err(|error| Error::new(error.to_string()))?;
+    let found = friction(recording, &bench.loaded.robot, bench.joint).map_err(Error::of)?;
     let kind = bench.loaded.robot.joints()[bench.joint].kind;
     let json = json!({
         "robot": bench.loaded.robot.name(),
@@ -55,18 +55,11 @@ fn falls(found: &Friction) -> bool {
 fn text(found: &Friction, bench: &Bench) -> String {
     let kind = bench.loaded.robot.joints()[bench.joint].kind;
     let effort = kind.effort_unit();
-    let mut table = Table::of(" | #value | #std | #95 % interval | # | unit");
-    let rows = [
-        ("viscous Fv", Some(found.viscous), format!("{effort}·s/{}", kind.unit())),
-        ("Coulomb Fc", Some(found.coulomb), effort.to_owned()),
-        ("above the line at the slowest speed", found.stribeck, effort.to_owned()),
-    ];
-    for (name, value, unit) in rows {
-        if let Some(value) = value {
-            let [v, s, low, high] = [value.value, value.std, value.ci95[0], value.ci95[1]].map(|x| format!("{x:.4}"));
-            table.row([name.to_owned(), v, s, low, high, unit]);
-        }
-    }
+    let table = values(&[
+        ("viscous Fv", Some(found.viscous), 4, &format!("{effort}·s/{}", kind.unit())),
+        ("Coulomb Fc", Some(found.coulomb), 4, effort),
+        ("above the line at the slowest speed", found.stribeck, 4, effort),
+    ]);
     let word = if falls(found) {
         "\nfriction falls as the joint starts to move: leave slow samples out, or estimate a Stribeck term\n"
     } else {

@@ -79,7 +79,7 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         (Some(unloaded), Some(with)) => [recorded(unloaded, &loaded)?, recorded(with, &loaded)?],
         _ => [arguments.simulated(&loaded, None)?, arguments.simulated(&loaded, Some(&load))?],
     };
-    let found = known_load(&loaded.robot, &without, &with, &load).map_err(|error| Error::new(error.to_string()))?;
+    let found = known_load(&loaded.robot, &without, &with, &load).map_err(Error::of)?;
     let finding = |hidden: &HiddenLoad| {
         json!({
             "joint": hidden.joint,
@@ -155,12 +155,9 @@ impl Arguments {
 
 fn recorded(path: &Path, loaded: &LoadedRobot) -> Result<Samples> {
     let log = Log::read(path)?;
-    let Some(recording) = &log.recording else {
-        let message = format!("{} was not recorded by armid, expected a recording with its plan", log.name);
-        return Err(Error::new(message).help("`armid run EXPERIMENT -o R.mcap` makes one").into());
-    };
-    process(recording, &loaded.robot, &processing())
-        .map_err(|error| Error::new(format!("{}: {error}", log.name)).into())
+    let name = log.name.clone();
+    process(&log.into_recording()?, &loaded.robot, &processing())
+        .map_err(|error| Error::new(format!("{name}: {error}")).into())
 }
 
 fn processing() -> Processing {

@@ -6,8 +6,8 @@ use armid_reports::{Axis, GroupStyle, Heading, Reference, ScatterFigure, Scatter
 use miette::Result;
 use serde_json::json;
 
-use super::bench::{Bench, BenchArguments};
-use crate::terminal::{Answer, Console, Ending, Table};
+use super::bench::{Bench, BenchArguments, values};
+use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
 The back-EMF (motor voltage minus the drops at resistance, inductance and brushes) is proportional to shaft \
@@ -39,7 +39,7 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         Some(ohm) => return Err(Error::new(format!("--resistance-ohm is {ohm}, expected a number above zero")).into()),
     };
     let found = back_emf(recording, &bench.loaded.robot, bench.joint, resistance).map_err(|error| {
-        let shown = Error::new(error.to_string());
+        let shown = Error::of(&error);
         match error {
             CalibrationError::NoVoltage => shown.help(
                 "the known-payload route: `armid calibrate payload ROBOT --mass-kg M --centre-m X,Y,Z \
@@ -86,20 +86,12 @@ fn entry(joint: &str, found: &BackEmf) -> String {
 }
 
 fn text(found: &BackEmf, bench: &Bench, assumed: f64) -> String {
-    let mut table = Table::of(" | #value | #std | #95 % interval | # | unit");
-    let rows = [
+    let table = values(&[
         ("torque constant", Some(found.torque_constant), 6, "N·m/A"),
         ("resistance", found.resistance, 4, "Ω"),
         ("inductance", Some(found.inductance.scaled(1e3)), 3, "mH"),
         ("brush drop", Some(found.brush_drop), 4, "V"),
-    ];
-    for (name, value, decimals, unit) in rows {
-        if let Some(value) = value {
-            let [v, s, low, high] =
-                [value.value, value.std, value.ci95[0], value.ci95[1]].map(|x| format!("{x:.decimals$}"));
-            table.row([name.to_owned(), v, s, low, high, unit.to_owned()]);
-        }
-    }
+    ]);
     format!(
         "{} \"{}\": back-EMF in {} windows of 50 ms, mean of {} periods; robot file: {assumed} N·m/A\n\n{}",
         bench.loaded.robot.name(),

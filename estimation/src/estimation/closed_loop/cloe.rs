@@ -15,11 +15,14 @@
 //! Assumes servo, reference and start known and the model complete. Fails where the encoders' zeros are off by more than the
 //! servo's errors, and where the motion runs away from every start at hand; it finds the minimum beside its start.
 //!
+//! Joints that were commanded positions by a servo that is not known in full: [`commanded`].
+//!
 //! Sources: E. Walter, L. Pronzato, *Identification of Parametric Models from Experimental Data*, Springer, 1997; Q. Leboutet et
 //! al., "Inertial parameter identification in robotics: a survey", Applied Sciences 11(9), 2021.
 
 use nalgebra::{DMatrix, DVector};
 
+use super::commanded;
 use super::descent::{Descent, Linearised};
 use super::hidden::Hidden;
 use super::shooting::Output;
@@ -35,17 +38,16 @@ use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;
 use crate::estimation::residual::residual_noise;
 use crate::estimation::termination::Termination;
-use crate::linalg::{BlockWhitening, LeastSquares};
+use crate::linalg::LeastSquares;
 
 /// Share by which a step may raise the sum of squares: rounding.
 const RISE: f64 = 1e-9;
-/// Standard deviation of a position, over that of the joint that is known worst, below which it counts as that: a joint without
-/// any residual would have all the weight.
-const LEAST_SHARE: f64 = 1e-6;
-
 /// Simulated against measured positions, with the exact slope of the simulation.
 pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-    let trial = Trial::of(name, problem)?;
+    let trial = Trial::of_any_servo(name, problem)?;
+    if let Some(of) = trial.unknown_servo() {
+        return commanded::estimate(name, problem, &trial, of);
+    }
     let (observation, equations) = (problem.observation, problem.factorised()?);
     let problem = problem.with_factorisation(&equations);
     let torque = LinearFit::weighted(&equations)?;
@@ -57,7 +59,7 @@ pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Es
     };
     let by_torque = torque.estimate(name, &problem, &torque.fit, Termination::Direct)?.covariance_matrix();
     let round = |at: (DVector<f64>, Linearised)| {
-        let weights = residual_weights(&positions, &at)?;
+        let weights = at.1.residual_weights(&positions, &at.0)?;
         let hidden = Hidden::at(&at.1.jacobian, &positions, &weights, by_torque.clone())?;
         let held = hidden.held();
         let descent =
@@ -104,16 +106,4 @@ pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Es
     estimate.findings.extend(hidden.finding(observation, is_nominal));
     estimate.findings.extend(finding);
     Ok(estimate.with_covariance(&(of_positions.covariance_matrix() + hidden.covariance())))
-}
-
-/// Weights by the residual at a trial point, correlation between joints left out: what the model misses is in it too.
-fn residual_weights(
-    positions: &Observation,
-    (beta, at): &(DVector<f64>, Linearised),
-) -> Result<BlockWhitening, EstimationError> {
-    let around = at.equations(positions, beta);
-    let covariance = Factorisation::new(&around)?.residual_covariance(beta);
-    let worst = covariance.diagonal().max();
-    let least = (worst * LEAST_SHARE * LEAST_SHARE).max(f64::MIN_POSITIVE);
-    Ok(BlockWhitening::new(&DMatrix::from_diagonal(&covariance.diagonal().map(|variance| variance.max(least))))?)
 }

@@ -11,6 +11,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::estimation::error::EstimationError;
+use crate::estimation::factorisation::Factorisation;
 use crate::estimation::inference::solve;
 use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;
@@ -28,6 +29,10 @@ pub(super) const AT_REST: f64 = 1e-9;
 /// The same where steps end in a set: about what is known of the nearest point of it.
 pub(super) const AT_REST_IN_A_SET: f64 = 1e-8;
 
+/// Standard deviation of a position, over that of the joint that is known worst, below which it counts as that: a joint without
+/// any residual would have all the weight.
+const LEAST_SHARE: f64 = 1e-6;
+
 /// Equations around a trial point, n·M rows; zero in rows that are none.
 #[derive(Clone, Debug)]
 pub(super) struct Linearised {
@@ -43,6 +48,19 @@ impl Linearised {
         let column = DMatrix::from_column_slice(beta.len(), 1, beta.as_slice());
         let y = &self.residual + product(&self.jacobian, &column).column(0);
         Observation { regressor: self.jacobian.clone(), y, ..observation.clone() }
+    }
+
+    /// Weights of positions by the residual at a trial point, correlation between joints left out: what the model misses is in it too.
+    pub(super) fn residual_weights(
+        &self,
+        positions: &Observation,
+        beta: &DVector<f64>,
+    ) -> Result<BlockWhitening, EstimationError> {
+        let around = self.equations(positions, beta);
+        let covariance = Factorisation::new(&around)?.residual_covariance(beta);
+        let worst = covariance.diagonal().max();
+        let least = (worst * LEAST_SHARE * LEAST_SHARE).max(f64::MIN_POSITIVE);
+        Ok(BlockWhitening::new(&DMatrix::from_diagonal(&covariance.diagonal().map(|variance| variance.max(least))))?)
     }
 }
 
@@ -182,5 +200,44 @@ impl Rest {
         let b = self.beta.len();
         let factors = [fit.inverse_information(), DMatrix::identity(b, b)];
         Ok(LeastSquares::from_factors(self.beta.clone(), factors, fit.condition(), fit.condition_scaled())?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimation::tests::synthetic;
+    use crate::seed::Seed;
+
+    #[test]
+    fn identity_a_step_onto_a_set_is_a_step_to_the_nearest_point_of_it() {
+        let (observation, beta) = synthetic(40, 4, &mut Seed::new(9).stream("onto", 0));
+        let (weights, problem) =
+            (BlockWhitening::new(&DMatrix::identity(2, 2)).unwrap(), EstimationProblem::new(&observation));
+        let descent = |onto| Descent {
+            problem: &problem,
+            observation: &observation,
+            weights: &weights,
+            rise: 0.0,
+            held: DMatrix::zeros(0, 4),
+            onto,
+        };
+        // Equations that are exact at β: from half of it, a step is the other half.
+        let from = 0.5 * &beta;
+        let residual = &observation.y - &observation.regressor * &from;
+        let at = Linearised { jacobian: observation.regressor.clone(), residual };
+        let (all, first_is_three) = (
+            |fit: &LeastSquares| Ok(fit.solution().clone()),
+            |fit: &LeastSquares| {
+                let mut nearest = fit.solution().clone();
+                nearest[0] = 3.0;
+                Ok(nearest)
+            },
+        );
+        let mut inside = &beta - &from;
+        assert!((descent(None).step(&at, &from, 0.0).unwrap() - &inside).norm() < 1e-12);
+        assert!((descent(Some(&all)).step(&at, &from, 0.0).unwrap() - &inside).norm() < 1e-12);
+        inside[0] = 3.0 - from[0];
+        assert!((descent(Some(&first_is_three)).step(&at, &from, 0.0).unwrap() - &inside).norm() < 1e-12);
     }
 }

@@ -19,9 +19,30 @@ pub enum ClosedLoopError {
     },
     /// The samples were not recorded along a motion that is known.
     #[error(
-        "the motion that the servo was commanded is not known, expected a recording of armid's own, which holds it from rest to rest"
+        "the motion that the servo was commanded is not known, expected a recording of armid's own, which holds it from rest to rest, or \
+         a log of commanded positions"
     )]
     NoReference,
+    /// The estimator needs servos that are known.
+    #[error("{} of the servo is to be estimated, which positions alone show, expected the estimator cloe", parts.join(", "))]
+    ServoUnknown {
+        /// What is not known.
+        parts: Vec<String>,
+    },
+    /// The motion does not show a number of a servo.
+    #[error("{}", hidden_servo(part, with))]
+    ServoHidden {
+        /// What is not shown.
+        part: String,
+        /// What moves the arm alike; empty where the number does not move it.
+        with: Vec<String>,
+    },
+    /// A log of commands has a gap, behind which nothing says where the arm is.
+    #[error("the log of commands is in {segments} parts with gaps between them, expected one without a gap")]
+    Gaps {
+        /// How many.
+        segments: usize,
+    },
     /// Nothing says on which inertia the servo's gains are placed.
     #[error(
         "robot \"{robot}\" has no nominal parameters, on whose inertia the gains of its servo are placed, expected nominal.toml \
@@ -62,6 +83,24 @@ pub enum ClosedLoopError {
         /// Why.
         reason: DivergenceError,
     },
+}
+
+/// Why a number of a servo cannot be estimated, and what to do.
+fn hidden_servo(part: &str, with: &[String]) -> String {
+    const LISTED: usize = 6;
+    let shown = match with {
+        [] => {
+            return format!(
+                "the motion does not show {part} of the servo: no position depends on it, expected it to be stated"
+            );
+        }
+        [one] => one.clone(),
+        few if few.len() <= LISTED => few.join(", "),
+        many => format!("{} and {} others", many[..LISTED].join(", "), many.len() - LISTED),
+    };
+    let scale = part.starts_with("kp") && with.len() > 1;
+    let advice = if scale { "a stated kp of one joint, or a known payload" } else { "it to be stated" };
+    format!("the motion does not show {part} of the servo: it moves the arm as {shown} can, expected {advice}")
 }
 
 impl ClosedLoopError {

@@ -12,6 +12,7 @@
 
 pub(super) mod clie;
 pub(super) mod cloe;
+mod commanded;
 mod descent;
 pub(super) mod didim;
 mod endogeneity;
@@ -29,6 +30,6 @@ pub use error::ClosedLoopError;
 pub(super) use instrumental_fit::InstrumentalFit;
 pub use simulation::{
     ClosedLoop, ClosedLoopFactory, ClosedLoopInterval, ClosedLoopIntervals, ClosedLoopMotion, ClosedLoopNode,
-    ClosedLoopSlopes, closed_loop_of,
+    ClosedLoopReference, ClosedLoopSlopes, CommandedLoop, closed_loop_of, commanded_loop_of,
 };
 pub(super) use torque_error::{TorqueSearch, TorqueSlope, search as torque_search};

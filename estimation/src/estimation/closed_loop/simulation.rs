@@ -8,9 +8,11 @@ use nalgebra::{DMatrix, DVector};
 
 use super::error::ClosedLoopError;
 use crate::dynamics::States;
+use crate::estimation::position_servo::PositionServo;
 use crate::experiment::{ExperimentPlan, Recording};
 use crate::model::{ParameterId, Robot, StandardParameters};
 use crate::observer::Observer;
+use crate::signal::Samples;
 
 /// What an arm with certain parameters does under its servo, at the instants of the samples: N × n each.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,10 +70,39 @@ pub trait ClosedLoop: fmt::Debug + Send + Sync {
         observer: &dyn Observer,
     ) -> Result<(ClosedLoopMotion, ClosedLoopSlopes), ClosedLoopError>;
 
+    /// The same loop as one of joints that were commanded positions; `None` of a servo of armid's own.
+    fn commanded(&self) -> Option<&dyn CommandedLoop> {
+        None
+    }
+
     /// The same loop in intervals, for multiple shooting; `None` where it can begin from rest alone.
     fn in_intervals(&self) -> Option<&dyn ClosedLoopIntervals> {
         None
     }
+}
+
+/// A closed loop along the commands of logs, by position servos of which numbers may be guesses.
+pub trait CommandedLoop {
+    /// The servos, with what is not known of them.
+    fn servo(&self) -> &PositionServo;
+
+    /// The measured states in which the logs begin: of each log n positions and n velocities.
+    fn starts(&self) -> Vec<f64>;
+
+    /// As [`ClosedLoop::slopes`], by other numbers of the servos and from other states. Derivatives are those by `by`, by what is unknown of
+    /// the servos, and by the states, in that order. Positions and states are those of the samples: another zero turns the arm, not them.
+    ///
+    /// # Errors
+    /// As [`ClosedLoop::motion`].
+    fn slopes_from(
+        &self,
+        parameters: &StandardParameters,
+        servo: &PositionServo,
+        starts: &[f64],
+        by: &[ParameterId],
+        block: usize,
+        observer: &dyn Observer,
+    ) -> Result<(ClosedLoopMotion, ClosedLoopSlopes), ClosedLoopError>;
 }
 
 /// Where an interval of the closed loop begins.
@@ -121,9 +152,18 @@ pub trait ClosedLoopIntervals {
     ) -> Result<Vec<ClosedLoopInterval>, ClosedLoopError>;
 }
 
-/// Makes the closed loop of a robot with gains for nominal parameters along the motions of some plans.
+/// What a closed loop follows.
+#[derive(Clone, Copy, Debug)]
+pub enum ClosedLoopReference<'a> {
+    /// Motions of plans, by the servo of the robot file with gains for nominal parameters.
+    Plans(&'a [ExperimentPlan]),
+    /// Commands of logs, by the position servos that made the torque of their samples.
+    Commands(&'a PositionServo, &'a [Samples]),
+}
+
+/// Makes the closed loop of a robot.
 pub type ClosedLoopFactory =
-    fn(&Robot, &StandardParameters, &[ExperimentPlan]) -> Result<Arc<dyn ClosedLoop>, ClosedLoopError>;
+    fn(&Robot, &StandardParameters, ClosedLoopReference<'_>) -> Result<Arc<dyn ClosedLoop>, ClosedLoopError>;
 
 /// The closed loop in which recordings were made, `None` for a log of something else.
 ///
@@ -143,5 +183,21 @@ pub fn closed_loop_of(
     let nominal = nominal.ok_or_else(|| ClosedLoopError::NoNominal { robot: name() })?;
     let plans: Option<Vec<ExperimentPlan>> = recordings.iter().map(|recording| Some((*recording)?.plan())).collect();
     let plans = plans.filter(|plans| !plans.is_empty()).ok_or(ClosedLoopError::NoReference)?;
-    factory(robot, nominal, &plans)
+    factory(robot, nominal, ClosedLoopReference::Plans(&plans))
+}
+
+/// The closed loop of a log of commanded positions.
+///
+/// # Errors
+/// As [`closed_loop_of`].
+pub fn commanded_loop_of(
+    factory: Option<ClosedLoopFactory>,
+    robot: &Robot,
+    nominal: Option<&StandardParameters>,
+    servo: &PositionServo,
+    samples: &[Samples],
+) -> Result<Arc<dyn ClosedLoop>, ClosedLoopError> {
+    let factory = factory.ok_or(ClosedLoopError::NotGiven)?;
+    let nominal = nominal.ok_or_else(|| ClosedLoopError::NoNominal { robot: robot.name().to_owned() })?;
+    factory(robot, nominal, ClosedLoopReference::Commands(servo, samples))
 }

@@ -7,9 +7,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::descent::Linearised;
 use super::error::ClosedLoopError;
 use super::simulation::{
     ClosedLoop, ClosedLoopInterval, ClosedLoopIntervals, ClosedLoopMotion, ClosedLoopNode, ClosedLoopSlopes,
+    CommandedLoop,
 };
 use crate::estimation::completion::complete;
 use crate::estimation::error::EstimationError;
@@ -34,7 +36,20 @@ pub(super) struct Trial<'a> {
 }
 
 impl<'a> Trial<'a> {
+    /// For an estimator that needs the servo.
     pub(super) fn of(estimator: &'a str, problem: &EstimationProblem<'a>) -> Result<Self, EstimationError> {
+        let trial = Self::of_any_servo(estimator, problem)?;
+        match trial.closed_loop.commanded().filter(|of| !of.servo().unknown.is_empty()) {
+            Some(of) => {
+                let parts = of.servo().unknown.iter().map(ToString::to_string).collect();
+                Err(trial.failed(ClosedLoopError::ServoUnknown { parts }))
+            }
+            None => Ok(trial),
+        }
+    }
+
+    /// For one that estimates what is not known of it.
+    pub(super) fn of_any_servo(estimator: &'a str, problem: &EstimationProblem<'a>) -> Result<Self, EstimationError> {
         let robot = problem.robot_for(estimator)?;
         Ok(Self {
             estimator,
@@ -79,6 +94,23 @@ impl<'a> Trial<'a> {
             self.blank(matrix);
         }
         Ok((self.checked(motion)?, slopes))
+    }
+
+    /// The loop of commanded joints whose servos are not known in full; `None` of any other.
+    pub(super) fn unknown_servo(&self) -> Option<&'a dyn CommandedLoop> {
+        self.closed_loop.commanded().filter(|of| !of.servo().unknown.is_empty())
+    }
+
+    /// Measured less simulated positions at x = (β, the servos' unknown numbers, states in which the logs begin), and their derivatives.
+    pub(super) fn commanded(&self, of: &dyn CommandedLoop, x: &DVector<f64>) -> Result<Linearised, EstimationError> {
+        let (b, m) = (self.observation.base.rank(), of.servo().unknown.len());
+        let servo = of.servo().clone().with_unknown(&x.as_slice()[b..b + m]);
+        let parameters = self.parameters(&x.rows(0, b).into_owned())?;
+        let starts = &x.as_slice()[b + m..];
+        let found = of.slopes_from(&parameters, &servo, starts, &self.by(), self.samples.block, self.observer);
+        let (motion, mut slopes) = found.map_err(|reason| self.failed(reason))?;
+        self.blank(&mut slopes.q);
+        Ok(Linearised { residual: self.position_error(&self.checked(motion)?), jacobian: slopes.q })
     }
 
     /// Nodes so many blocks apart along the measured motion, where motors exert the torque that β makes of it.
@@ -159,7 +191,7 @@ impl<'a> Trial<'a> {
         if found == expected { Ok(motion) } else { Err(self.failed(ClosedLoopError::Samples { found, expected })) }
     }
 
-    fn failed(&self, reason: ClosedLoopError) -> EstimationError {
+    pub(super) fn failed(&self, reason: ClosedLoopError) -> EstimationError {
         match reason {
             ClosedLoopError::Interrupted => EstimationError::Interrupted,
             reason => EstimationError::ClosedLoop { estimator: self.estimator.to_owned(), reason },

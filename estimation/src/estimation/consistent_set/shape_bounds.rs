@@ -40,13 +40,7 @@ impl ShapeBounds {
                 Solid::Capsule(Capsule { from, to, radius }) => ((from + to) * 0.5, *radius),
                 Solid::Cuboid(Cuboid { placement, half }) => (placement.translation, half.min()),
                 // Inside the box that its bounds are.
-                Solid::Hull(hull) => {
-                    let width = |axis: usize| {
-                        let n = Vector3::ith(axis, 1.0);
-                        0.5 * (hull.extent(&n) + hull.extent(&-n))
-                    };
-                    (hull.middle(), width(0).min(width(1)).min(width(2)))
-                }
+                Solid::Hull(hull) => (hull.middle(), hull.half_box().min()),
             })
         };
         let links = 1..=robot.dof();

@@ -176,14 +176,12 @@ impl JointResidual {
         factor.add(self.residual.len(), |row, j| columns.get(j).map_or(self.residual[row], |column| column[row]));
         let factor = factor.finish();
         let mut first = 0;
-        let groups = kept
-            .iter()
-            .map(|group| {
-                let part = factor.view((0, first), (width, group.ncols())).into_owned();
-                first += group.ncols();
-                product(&part, &part.transpose())
-            })
-            .collect();
+        let group = |of: &DMatrix<f64>| {
+            let part = factor.view((0, first), (width, of.ncols())).into_owned();
+            first += of.ncols();
+            product(&part, &part.transpose())
+        };
+        let groups = kept.iter().map(group).collect();
         let residual = factor.view((0, width), (width, 1)).column(0).into_owned();
         let rest_square = factor[(width, width)] * factor[(width, width)];
         let rest_freedom = (self.freedom - width as f64).max(0.0);

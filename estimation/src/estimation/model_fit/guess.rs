@@ -120,12 +120,8 @@ fn uniform(solid: &Solid) -> Matrix4<f64> {
         // The cylinder of the same radius and volume.
         Solid::Capsule(Capsule { from, to, radius }) => rod(from, to, *radius, 4.0 / 3.0 * radius),
         Solid::Hull(hull) => {
-            let width = |axis: usize| {
-                let n = Vector3::ith(axis, 1.0);
-                0.5 * (hull.extent(&n) + hull.extent(&-n))
-            };
             let middle = hull.middle();
-            cuboid(&Placement::translation(middle.x, middle.y, middle.z), &Vector3::from_fn(|axis, _| width(axis)))
+            cuboid(&Placement::translation(middle.x, middle.y, middle.z), &hull.half_box())
         }
     }
 }

@@ -25,6 +25,7 @@ pub(in crate::estimation) fn estimate_of(
         base: base.names().into_iter().enumerate().map(of).collect(),
         covariance: rows_of(covariance),
         motor_errors: Vec::new(),
+        servo: Vec::new(),
         standard: None,
         consistent: None,
         residual_rms: Vec::new(),

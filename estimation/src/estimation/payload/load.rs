@@ -176,6 +176,7 @@ fn estimate(of: &Estimate, load: &BaseReduction, fitted: &Fitted, freedom: f64) 
         base: load.names().into_iter().enumerate().map(parameter).collect(),
         covariance: rows_of(&fitted.covariance),
         motor_errors: Vec::new(),
+        servo: Vec::new(),
         standard: None,
         consistent: None,
         degrees_of_freedom: freedom,

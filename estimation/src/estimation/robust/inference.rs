@@ -49,16 +49,12 @@ pub(crate) fn estimate(
         let (i, joint) = (row % observation.dof, &joints[row % observation.dof]);
         joint.correction * robust.scales[i] * robust.loss.influence(u[row]) / joint.slope
     });
-    let parts: Vec<f64> = observation
-        .used
-        .iter()
-        .enumerate()
-        .map(|(row, &used)| {
-            let (i, joint) = (row % observation.dof, &joints[row % observation.dof]);
-            let kept = if robust.loss.redescends() { robust.loss.weight(u[row]) / joint.weight } else { 1.0 };
-            if used { kept * joint.slope / (robust.scales[i] * robust.scales[i]) } else { 0.0 }
-        })
-        .collect();
+    let part = |(row, &used): (usize, &bool)| {
+        let (i, joint) = (row % observation.dof, &joints[row % observation.dof]);
+        let kept = if robust.loss.redescends() { robust.loss.weight(u[row]) / joint.weight } else { 1.0 };
+        if used { kept * joint.slope / (robust.scales[i] * robust.scales[i]) } else { 0.0 }
+    };
+    let parts: Vec<f64> = observation.used.iter().enumerate().map(part).collect();
     let solved = weighted_rows(observation, &parts)?;
     let b = robust.beta.len();
     let fit = LeastSquares::from_factors(

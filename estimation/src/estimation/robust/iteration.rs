@@ -141,11 +141,8 @@ pub(in crate::estimation) fn weighted_rows(
     let mut factor = RowFactor::new(b + 1);
     // Joint by joint, since a joint's rows begin with the same zeros.
     for i in 0..n {
-        let rows: Vec<(usize, f64)> = (i..weights.len())
-            .step_by(n)
-            .filter(|&row| weights[row] > 0.0)
-            .map(|row| (row, weights[row].sqrt()))
-            .collect();
+        let used = (i..weights.len()).step_by(n).filter(|&row| weights[row] > 0.0);
+        let rows: Vec<(usize, f64)> = used.map(|row| (row, weights[row].sqrt())).collect();
         factor.add(rows.len(), |k, column| {
             let (row, root) = rows[k];
             root * if column < b { observation.regressor[(row, column)] } else { observation.y[row] }

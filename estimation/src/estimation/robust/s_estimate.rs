@@ -46,23 +46,16 @@ pub(super) struct Start {
 pub(super) fn search(problem: &EstimationProblem<'_>, ordinary: &DVector<f64>) -> Result<Start, EstimationError> {
     let observation = problem.observation;
     let scales = median_scales(observation, &observation.residual(ordinary));
-    let all: Vec<f64> = observation
-        .used
-        .iter()
-        .enumerate()
-        .map(|(row, &used)| {
-            let s = scales[row % observation.dof];
-            if used { 1.0 / (s * s) } else { 0.0 }
-        })
-        .collect();
+    let weight = |(row, &used): (usize, &bool)| {
+        let s = scales[row % observation.dof];
+        if used { 1.0 / (s * s) } else { 0.0 }
+    };
+    let all: Vec<f64> = observation.used.iter().enumerate().map(weight).collect();
     // Every so many samples, of all joints.
     let wanted = START_EQUATIONS.max(PER_PARAMETER * observation.regressor.ncols());
     let stride = (observation.equations() / wanted).max(1);
-    let few: Vec<f64> = all
-        .iter()
-        .enumerate()
-        .map(|(row, &w)| if (row / observation.dof).is_multiple_of(stride) { w } else { 0.0 })
-        .collect();
+    let is_taken = |row: usize| (row / observation.dof).is_multiple_of(stride);
+    let few: Vec<f64> = all.iter().enumerate().map(|(row, &w)| if is_taken(row) { w } else { 0.0 }).collect();
     let first = weighted_rows(observation, &all)?;
     let mut best = minimum(observation, first.solution().clone(), &all, &scales)?;
     for rounds in 0..ROUNDS {

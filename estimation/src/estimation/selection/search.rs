@@ -147,30 +147,12 @@ impl<F: Fn(Columns) -> Result<Identification, EstimationError>> Search<'_, F> {
             let identification = (self.of)(columns)?;
             let step = match self.step(&identification) {
                 Ok(step) => step,
-                // The motion does not distinguish a term from the others: it is the first to go.
-                Err(
-                    EstimationError::NotExcited { parameter, .. }
-                    | EstimationError::OutsideOfEquations { parameter, .. },
-                ) if !words_of(columns).is_empty() && !parameter.starts_with(CURRENT_LAG.symbol()) => {
-                    let word = term_of(&identification, &parameter).unwrap_or_else(|| words_of(columns)[0]);
+                Err(error) => {
+                    let Some(word) = first_to_go(&identification, columns, &error) else { return Err(error) };
                     left_out.push(TermEvidence::untested(word));
                     columns = without(columns, word);
                     continue;
                 }
-                Err(EstimationError::LoadNotAtRest { .. }) => {
-                    let word = LOAD_FRICTION.entry().name;
-                    left_out.push(TermEvidence::untested(word));
-                    columns = without(columns, word);
-                    continue;
-                }
-                Err(EstimationError::TooFewEquations { .. }) if !words_of(columns).is_empty() => {
-                    let all = words_of(columns);
-                    let word = all[all.len() - 1];
-                    left_out.push(TermEvidence::untested(word));
-                    columns = without(columns, word);
-                    continue;
-                }
-                Err(error) => return Err(error),
             };
             let terms: Vec<TermEvidence> =
                 words_of(columns).into_iter().map(|word| step.evidence(word, self.level)).collect();
@@ -187,16 +169,8 @@ impl<F: Fn(Columns) -> Result<Identification, EstimationError>> Search<'_, F> {
 
     /// A set with the terms of a word beside it, tested for that word; `None` where the motion does not distinguish them.
     pub(super) fn beside(&self, columns: Columns, word: &str) -> Result<Option<TermEvidence>, EstimationError> {
-        match self.step(&(self.of)(with_word(columns, word))?) {
-            Ok(step) => Ok(Some(step.evidence(word, self.level))),
-            Err(
-                EstimationError::NotExcited { .. }
-                | EstimationError::OutsideOfEquations { .. }
-                | EstimationError::TooFewEquations { .. }
-                | EstimationError::LoadNotAtRest { .. },
-            ) => Ok(None),
-            Err(error) => Err(error),
-        }
+        let step = if_distinguished(self.step(&(self.of)(with_word(columns, word))?))?;
+        Ok(step.map(|step| step.evidence(word, self.level)))
     }
 
     /// N_e ln of the sum of weighted squares and b ln N_e of a set, by the weights of another; `None` where the motion does not distinguish
@@ -210,16 +184,8 @@ impl<F: Fn(Columns) -> Result<Identification, EstimationError>> Search<'_, F> {
             let column = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
             Ok((weights.clone().whiten(&column, &observation.used)?.norm_squared(), fit.solution().len()))
         });
-        match fitted {
-            Ok((sum, b)) => Ok(Some(by.effective * libm::log(sum) + b as f64 * libm::log(by.effective))),
-            Err(
-                EstimationError::NotExcited { .. }
-                | EstimationError::OutsideOfEquations { .. }
-                | EstimationError::TooFewEquations { .. }
-                | EstimationError::LoadNotAtRest { .. },
-            ) => Ok(None),
-            Err(error) => Err(error),
-        }
+        let of = |(sum, b): (f64, usize)| by.effective * libm::log(sum) + b as f64 * libm::log(by.effective);
+        Ok(if_distinguished(fitted)?.map(of))
     }
 
     /// The evidence for a term that is no column, and its coefficients where it is supported.
@@ -313,6 +279,35 @@ pub(super) fn without(columns: Columns, word: &str) -> Columns {
 /// The columns with the terms of a word.
 pub(super) fn with_word(columns: Columns, word: &str) -> Columns {
     Term::ALL.iter().copied().filter(|term| term.entry().name == word).fold(columns, Columns::with)
+}
+
+/// The word of the term without which equations may be solved: the one that the motion does not distinguish from the others, whose load
+/// does not rest, or the last of too many.
+fn first_to_go(of: &Identification, columns: Columns, error: &EstimationError) -> Option<&'static str> {
+    let words = words_of(columns);
+    match error {
+        EstimationError::NotExcited { parameter, .. } | EstimationError::OutsideOfEquations { parameter, .. }
+            if !parameter.starts_with(CURRENT_LAG.symbol()) =>
+        {
+            words.first().map(|&first| term_of(of, parameter).unwrap_or(first))
+        }
+        EstimationError::LoadNotAtRest { .. } => Some(LOAD_FRICTION.entry().name),
+        EstimationError::TooFewEquations { .. } => words.last().copied(),
+        _ => None,
+    }
+}
+
+/// A fit; `None` where the motion does not distinguish its columns.
+fn if_distinguished<T>(fitted: Result<T, EstimationError>) -> Result<Option<T>, EstimationError> {
+    match fitted {
+        Err(
+            EstimationError::NotExcited { .. }
+            | EstimationError::OutsideOfEquations { .. }
+            | EstimationError::TooFewEquations { .. }
+            | EstimationError::LoadNotAtRest { .. },
+        ) => Ok(None),
+        fitted => fitted.map(Some),
+    }
 }
 
 /// The word of the term whose parameter has this name.

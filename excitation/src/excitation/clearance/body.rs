@@ -101,7 +101,7 @@ impl Placed {
         }
     }
 
-    /// The same body where its link's frame stands at `pose`; `solid` is what it was made of.
+    /// Moves this body to where its link's frame is at `pose`; `solid` is what it was made of.
     pub(super) fn moved(&mut self, solid: &Solid, pose: &Placement) {
         if let Core::Hull(placement, hull) = &mut self.core {
             *placement = *pose;

@@ -72,7 +72,7 @@ pub trait Criterion: fmt::Debug + Send + Sync {
         self.is_weighted()
     }
 
-    /// The same for parameters in these units (b); `None` of a criterion that does not ask.
+    /// This criterion for parameters in these units (b); `None` of a criterion that does not ask.
     fn in_units(&self, units: &[f64]) -> Option<Box<dyn Criterion>> {
         let _ = units;
         None
@@ -90,7 +90,7 @@ pub trait Criterion: fmt::Debug + Send + Sync {
         false
     }
 
-    /// The same for an estimate that is to predict torque; `None` of a criterion that does not ask what it is for.
+    /// This criterion for an estimate that is to predict torque; `None` of a criterion that does not ask what it is for.
     fn for_prediction(&self, prediction: Prediction) -> Option<Box<dyn Criterion>> {
         let _ = prediction;
         None
@@ -98,6 +98,11 @@ pub trait Criterion: fmt::Debug + Send + Sync {
 
     /// Whether its value depends on effects that the model leaves out.
     fn expects_effects(&self) -> bool {
+        false
+    }
+
+    /// Whether the estimate is to predict the torque of the arm with these effects, as far as it can.
+    fn predicts_measured_torque(&self) -> bool {
         false
     }
 

@@ -38,6 +38,8 @@ pub enum CriterionKind {
     ModelError,
     /// Condition number of Σ^−½ W_b with parameters in declared units.
     ConditionInUnits,
+    /// Variance and bias of measured torque predicted on evaluation motions, over several sizes of each expected effect.
+    MeasuredTorque,
 }
 
 // A new one is added at the end.
@@ -45,7 +47,7 @@ crate::input::named! { CriterionKind {
     Condition: "condition", ConditionScaled: "condition-scaled", DOptimal: "d-optimal", AOptimal: "a-optimal",
     EOptimal: "e-optimal", ConditionPlusSigma: "condition-plus-sigma", ConditionPlusD: "condition-plus-d",
     IOptimal: "i-optimal", ModelError: "model-error",
-    ConditionInUnits: "condition-in-units"
+    ConditionInUnits: "condition-in-units", MeasuredTorque: "measured-torque"
 } }
 
 impl CriterionKind {
@@ -62,6 +64,7 @@ impl CriterionKind {
             Self::IOptimal => Box::new(IOptimal::default()),
             Self::ModelError => Box::new(ModelError::default()),
             Self::ConditionInUnits => Box::new(ConditionInUnits::default()),
+            Self::MeasuredTorque => Box::new(ModelError::of_measured_torque()),
         }
     }
 

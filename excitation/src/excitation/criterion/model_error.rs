@@ -1,4 +1,7 @@
 //! The error of predicted torque where the arm has effects that the model lacks: variance and bias together.
+//!
+//! Two criteria share it. `model-error` predicts the torque of the arm without its effects, each of the declared size.
+//! `measured-torque` predicts what the arm with its effects measures, over several sizes of each effect.
 
 use nalgebra::DMatrix;
 
@@ -15,7 +18,8 @@ use super::prediction::{Carried, Prediction};
 /// J_s² = J_0² + Σ_{e ∈ s} p_eᵀ G p_e − 2 p_eᵀ h_e + s_e    p_e = M⁻¹ c_e
 /// ∂J_s²/∂c_e = 2 t_e      ∂J_s²/∂M = −M⁻¹ G M⁻¹/rows − Σ (t_e p_eᵀ + p_e t_eᵀ)      t_e = M⁻¹ (G p_e − h_e)
 /// ```
-/// h and s are zero where the estimate is to be that of the arm without the effects. J² is Box and Draper's integrated
+/// h and s are zero where the estimate is to be that of the arm without the effects. For measured torque a scenario is an
+/// effect of one size: a share ℓ of the declared effect has ℓ² of its bias. J² is Box and Draper's integrated
 /// mean squared error. Errors by effects differ by orders of magnitude, so that their sum would be that of the largest;
 /// the mean of logarithms weights a factor won under one the same as a factor lost under another, and needs no
 /// magnitudes to compare. The number that people read is the geometric mean of J_s, N·m. Source: G. E. P. Box,
@@ -23,19 +27,49 @@ use super::prediction::{Carried, Prediction};
 #[derive(Clone, Debug, Default)]
 pub struct ModelError {
     prediction: Option<Prediction>,
+    torque: PredictedTorque,
+}
+
+/// Which torque the estimate is to predict.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum PredictedTorque {
+    /// That of the arm without its effects, which are of the declared size.
+    #[default]
+    WithoutEffects,
+    /// What the arm with its effects measures, whose size is not known.
+    Measured,
+}
+
+impl PredictedTorque {
+    /// Sizes of an effect, as shares of the declared one, of which each counts alike.
+    ///
+    /// Below a hundredth the noise of most experiments hides an effect, as the scenario without effects does.
+    const fn levels(self) -> &'static [f64] {
+        match self {
+            Self::WithoutEffects => &[1.0],
+            Self::Measured => &[0.01, 0.1, 1.0],
+        }
+    }
 }
 
 impl ModelError {
     /// Of these predictions.
     pub const fn new(prediction: Prediction) -> Self {
-        Self { prediction: Some(prediction) }
+        Self { prediction: Some(prediction), torque: PredictedTorque::WithoutEffects }
     }
 
-    /// J of every scenario, N·m: without effects first, then under each that is expected; empty where M is not positive
-    /// definite.
+    /// Of the torque that the arm with its effects measures, over several sizes of each effect.
+    pub const fn of_measured_torque() -> Self {
+        Self { prediction: None, torque: PredictedTorque::Measured }
+    }
+
+    /// J of every scenario, N·m: without effects first, then under each that is expected, at each of its sizes; empty where
+    /// M is not positive definite.
     pub fn errors(&self, m: &DMatrix<f64>, moments: &DMatrix<f64>) -> Vec<f64> {
+        let levels = self.torque.levels();
         let parts = Parts::new(self.prediction.as_ref(), m, moments);
-        parts.map_or_else(Vec::new, |parts| parts.scenarios().into_iter().map(f64::sqrt).collect())
+        let roots = |parts: Parts<'_>| parts.scenarios(levels).into_iter().map(f64::sqrt).collect();
+        parts.map_or_else(Vec::new, roots)
     }
 }
 
@@ -85,16 +119,22 @@ impl<'a> Parts<'a> {
         self.prediction.map_or(&[], |prediction| &prediction.effects)
     }
 
-    /// J² of every scenario.
-    fn scenarios(&self) -> Vec<f64> {
-        let effects = self.effects().iter().map(|own| self.variance + self.squares[own.clone()].iter().sum::<f64>());
+    /// J² of every scenario; the bias grows with the size of its effect.
+    fn scenarios(&self, levels: &[f64]) -> Vec<f64> {
+        let effects = self.effects().iter().flat_map(|own| {
+            let whole = self.squares[own.clone()].iter().sum::<f64>();
+            levels.iter().map(move |level| self.variance + level * level * whole)
+        });
         std::iter::once(self.variance).chain(effects).collect()
     }
 }
 
 impl Criterion for ModelError {
     fn name(&self) -> &'static str {
-        "model-error"
+        match self.torque {
+            PredictedTorque::WithoutEffects => "model-error",
+            PredictedTorque::Measured => "measured-torque",
+        }
     }
 
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
@@ -118,7 +158,8 @@ impl Criterion for ModelError {
             }
             return Score::exact(f64::INFINITY);
         };
-        let scenarios = parts.scenarios();
+        let levels = self.torque.levels();
+        let scenarios = parts.scenarios(levels);
         let share = 0.5 / scenarios.len() as f64;
         let value = scenarios.iter().map(|square| share * libm::log(*square)).sum();
         if let Some((by_m, by_moments)) = sensitivity {
@@ -126,7 +167,9 @@ impl Criterion for ModelError {
             by_m.copy_from(&(&parts.spread * -slopes.iter().sum::<f64>()));
             by_moments.fill(0.0);
             let turned = &parts.inverse * &parts.pull;
-            for (slope, own) in slopes[1..].iter().zip(parts.effects()) {
+            let by_effect = slopes[1..].chunks_exact(levels.len());
+            for (slopes, own) in by_effect.zip(parts.effects()) {
+                let slope: f64 = slopes.iter().zip(levels).map(|(slope, level)| slope * level * level).sum();
                 for e in own.clone() {
                     let (t, p) = (turned.column(e), parts.bias.column(e));
                     by_m.ger(-slope, &t, &p, 1.0);
@@ -153,11 +196,15 @@ impl Criterion for ModelError {
     }
 
     fn for_prediction(&self, prediction: Prediction) -> Option<Box<dyn Criterion>> {
-        Some(Box::new(Self::new(prediction)))
+        Some(Box::new(Self { prediction: Some(prediction), torque: self.torque }))
     }
 
     fn expects_effects(&self) -> bool {
         true
+    }
+
+    fn predicts_measured_torque(&self) -> bool {
+        self.torque == PredictedTorque::Measured
     }
 }
 
@@ -191,7 +238,9 @@ mod tests {
                 squares: DVector::from_fn(3, |e, _| self.d_evaluated.column(e).norm_squared() * per_row),
             });
             let gram = self.evaluated.tr_mul(&self.evaluated) * per_row;
-            ModelError::new(Prediction { gram, rows: 30.0, effects: vec![0..1, 1..3], carried })
+            let of = if carries { ModelError::of_measured_torque() } else { ModelError::default() };
+            let prediction = Prediction { gram, rows: 30.0, effects: vec![0..1, 1..3], carried };
+            ModelError { prediction: Some(prediction), ..of }
         }
 
         fn moments(&self) -> (DMatrix<f64>, DMatrix<f64>) {
@@ -215,12 +264,17 @@ mod tests {
                 }
                 error.norm_squared() / 20.0
             };
-            let expected = [variance, variance + square(0), variance + square(1) + square(2)];
-            for (found, expected) in found.iter().zip(expected) {
+            let sizes: &[f64] = if carries { &[0.01, 0.1, 1.0] } else { &[1.0] };
+            let mut expected = vec![variance];
+            for whole in [square(0), square(1) + square(2)] {
+                expected.extend(sizes.iter().map(|size| variance + size * size * whole));
+            }
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(&expected) {
                 assert!((found - expected.sqrt()).abs() < 1e-11, "{found} {}", expected.sqrt());
             }
             let value = case.criterion(carries).evaluate_with_effects(&m, &c, None).value;
-            let geometric = expected.iter().map(|square| 0.5 * square.ln()).sum::<f64>() / 3.0;
+            let geometric = expected.iter().map(|square| 0.5 * square.ln()).sum::<f64>() / expected.len() as f64;
             assert!((value - geometric).abs() < 1e-11);
         }
     }

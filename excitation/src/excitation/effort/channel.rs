@@ -36,17 +36,13 @@ impl Channel {
     /// All efforts of a robot that have a limit: torques, then currents.
     pub fn all(robot: &Robot) -> Vec<Self> {
         let n = robot.dof();
-        let mut channels: Vec<Self> = robot
-            .joints()
-            .iter()
-            .enumerate()
-            .map(|(joint, j)| {
-                let mut weights = vec![0.0; n];
-                weights[joint] = 1.0;
-                let (peak, continuous) = (j.limits.torque, j.limits.continuous_torque);
-                Self { kind: EffortKind::Torque, joint, weights, peak, continuous }
-            })
-            .collect();
+        let mut channels = Vec::new();
+        for (joint, j) in robot.joints().iter().enumerate() {
+            let mut weights = vec![0.0; n];
+            weights[joint] = 1.0;
+            let (peak, continuous) = (j.limits.torque, j.limits.continuous_torque);
+            channels.push(Self { kind: EffortKind::Torque, joint, weights, peak, continuous });
+        }
         // τ = Cᵀ τ_motor: the rows of (Cᵀ)⁻¹ give the motors' torques.
         let inverse = robot
             .coupling()

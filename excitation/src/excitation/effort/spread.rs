@@ -2,7 +2,7 @@
 
 use crate::model::format::RelativeUncertainty;
 use crate::model::term::PriorOf;
-use crate::model::{Columns, ParameterKind, Robot, StandardParameters};
+use crate::model::{Columns, ParameterId, ParameterKind, Robot, StandardParameters};
 
 /// Standard deviations that one side of a normal distribution keeps within in 95 % of cases.
 pub const CONFIDENCE_95: f64 = 1.644_853_626_951_472_2;
@@ -27,30 +27,27 @@ impl ParameterSpread {
     /// the inertia for each of its elements, of rotor inertia and friction; the offset's is absolute.
     pub fn of(robot: &Robot, nominal: &StandardParameters, shares: &RelativeUncertainty, multiple: f64) -> Self {
         use ParameterKind as Kind;
-        let deviations = Columns::default()
-            .and_those_of(nominal)
-            .parameters(robot)
-            .into_iter()
-            .map(|id| {
-                let value = nominal.get(id).abs();
-                match id.kind {
-                    Kind::M => shares.mass * value,
-                    Kind::Mcx | Kind::Mcy | Kind::Mcz => {
-                        let ten = nominal.links[id.index].to_array();
-                        let length = (ten[1] * ten[1] + ten[2] * ten[2] + ten[3] * ten[3]).sqrt();
-                        shares.first_moment * length
-                    }
-                    Kind::Ixx | Kind::Ixy | Kind::Ixz | Kind::Iyy | Kind::Iyz | Kind::Izz => {
-                        let ten = nominal.links[id.index].to_array();
-                        shares.inertia * (ten[4] + ten[7] + ten[9])
-                    }
-                    Kind::Term(term) => match term.entry().prior.of {
-                        PriorOf::Value => shares.of(term) * value,
-                        PriorOf::Unit => shares.of(term),
-                    },
+        let deviation = |id: ParameterId| {
+            let value = nominal.get(id).abs();
+            match id.kind {
+                Kind::M => shares.mass * value,
+                Kind::Mcx | Kind::Mcy | Kind::Mcz => {
+                    let ten = nominal.links[id.index].to_array();
+                    let length = (ten[1] * ten[1] + ten[2] * ten[2] + ten[3] * ten[3]).sqrt();
+                    shares.first_moment * length
                 }
-            })
-            .collect();
+                Kind::Ixx | Kind::Ixy | Kind::Ixz | Kind::Iyy | Kind::Iyz | Kind::Izz => {
+                    let ten = nominal.links[id.index].to_array();
+                    shares.inertia * (ten[4] + ten[7] + ten[9])
+                }
+                Kind::Term(term) => match term.entry().prior.of {
+                    PriorOf::Value => shares.of(term) * value,
+                    PriorOf::Unit => shares.of(term),
+                },
+            }
+        };
+        let ids = Columns::default().and_those_of(nominal).parameters(robot);
+        let deviations = ids.into_iter().map(deviation).collect();
         Self { deviations, multiple }
     }
 }

@@ -120,7 +120,7 @@ impl Survey {
             .unwrap_or_else(|_| Self { limits: Vec::new(), segments: Vec::new() })
     }
 
-    /// The same, where no sample uses more than `most` of a peak limit; else the first place that does.
+    /// The worst use of each limit if no sample uses more than `most` of a peak limit; else the first place that does.
     pub(super) fn below(
         model: &mut EffortModel,
         channels: &[Channel],

@@ -85,7 +85,7 @@ impl ExpectedEffects {
         Ok(Self { nominal, effects, carried: false })
     }
 
-    /// The same where the estimate is to predict the torque of the arm with its effects, as far as it can.
+    /// Returns this effect where the estimate is to predict the torque of the arm with its effects, as far as it can.
     #[must_use]
     pub fn carried(self) -> Self {
         Self { carried: true, ..self }

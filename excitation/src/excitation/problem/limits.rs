@@ -127,7 +127,7 @@ impl DesignLimits {
         Self { nominal: Some(nominal), spread: None, ..self }
     }
 
-    /// The same for parameters that may be as far from the `nominal` ones as `spread` says.
+    /// Holds torque and current for parameters that may be as far from the `nominal` ones as `spread` says.
     ///
     /// # Errors
     /// [`ExcitationError::Negative`] if a deviation or their multiple is below zero or no number.

@@ -197,7 +197,7 @@ impl DesignObjective {
         Ok(())
     }
 
-    /// The same on the base of the joints that move in another space.
+    /// This objective on the base of the joints that move in another space.
     pub(super) fn in_space(&self, robot: &Robot, space: &DesignSpace) -> Result<Self, ExcitationError> {
         let base = if space.frozen().iter().all(Option::is_none) {
             reduce(robot, self.columns, Method::Structural, Seed::new(0))?

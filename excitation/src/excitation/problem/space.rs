@@ -44,7 +44,7 @@ impl DesignSpace {
         Ok(Self { family, period_s, harmonics, frozen })
     }
 
-    /// The same with joint `index` standing still at `place` (rad).
+    /// Returns this space with joint `index` standing still at `place` (rad).
     ///
     /// # Errors
     /// [`ExcitationError::NoSuchJoint`] if there is no such joint, [`ExcitationError::NotFinite`] if the place is no

@@ -31,7 +31,7 @@ pub(super) fn plan(part: f64, rate_hz: f64) -> ExperimentPlan {
     around(series(part), rate_hz)
 }
 
-/// The same around another motion.
+/// A plan around another motion.
 pub(super) fn around(series: FourierTrajectory, rate_hz: f64) -> ExperimentPlan {
     let usual = ExperimentPlan::new(series);
     ExperimentPlan { rate_hz, settle_s: 0.2, ramp_s: 1.0, discarded_periods: 0, periods: 1, ..usual }

@@ -1,5 +1,7 @@
 //! One quantity of a log: its columns, and how their values become those of the joints.
 
+use armid::estimation::ServoPart;
+
 use super::{Quantity, Unit};
 use crate::error::Error;
 use crate::suggestion;
@@ -39,10 +41,12 @@ pub struct ColumnMap {
     pub kd: Option<Vec<f64>>,
     /// Of commands: time after which they act, s.
     pub delay_s: Option<f64>,
+    /// Of commands: which of these numbers are guesses, and which zeros are to be found.
+    pub unknown: Option<Vec<ServoPart>>,
 }
 
 /// What may stand behind the columns.
-const WORDS: [&str; 12] = [
+const WORDS: [&str; 13] = [
     "a unit",
     "motor",
     "gear=…",
@@ -55,6 +59,7 @@ const WORDS: [&str; 12] = [
     "kp=…",
     "kd=…",
     "delay_ms=…",
+    "unknown=…",
 ];
 
 impl ColumnMap {
@@ -74,6 +79,7 @@ impl ColumnMap {
             kp: None,
             kd: None,
             delay_s: None,
+            unknown: None,
         }
     }
 
@@ -117,11 +123,22 @@ impl ColumnMap {
                     };
                     map.delay_s = Some(1e-3 * delay_ms);
                 }
+                Some(("unknown", names)) if is_command => {
+                    let part = |name: &str| {
+                        ServoPart::parse(name.trim()).ok_or_else(|| {
+                            format!(
+                                "{key}: unknown is \"{}\", expected delay, kp1, kd1 or zero1, the number being a joint's, with / between them",
+                                name.trim()
+                            )
+                        })
+                    };
+                    map.unknown = Some(names.split('/').map(part).collect::<Result<_, _>>()?);
+                }
                 Some(("rated", values)) => map.rated = Some(list(key, "rated", values, |rated| rated > 0.0)?),
                 Some((name, _)) => {
                     let near = suggestion::nearest(
                         name,
-                        ["gear", "sign", "offset", "constant", "rated", "kp", "kd", "delay_ms"],
+                        ["gear", "sign", "offset", "constant", "rated", "kp", "kd", "delay_ms", "unknown"],
                     )
                     .map_or_else(String::new, |near| format!("; did you mean \"{near}=\"?"));
                     return Err(format!("{key}: found \"{word}\", expected {}{near}", WORDS.join(", ")));
@@ -198,7 +215,7 @@ impl ColumnMap {
         }
     }
 
-    /// The same as [`Self::parse`] reads it, behind its key.
+    /// The map as [`Self::parse`] reads it, behind its key.
     pub(crate) fn text(&self) -> String {
         let quoted = |text: &str| {
             if text.contains(char::is_whitespace) { format!("'{text}'") } else { text.to_owned() }
@@ -230,6 +247,9 @@ impl ColumnMap {
                 let number = |x: &f64| format!("{x:.12}").parse::<f64>().unwrap_or(*x).to_string();
                 words.push(format!("{name}={}", list.iter().map(number).collect::<Vec<_>>().join("/")));
             }
+        }
+        if let Some(unknown) = &self.unknown {
+            words.push(format!("unknown={}", unknown.iter().map(ToString::to_string).collect::<Vec<_>>().join("/")));
         }
         words.join(" ")
     }
@@ -326,6 +346,8 @@ mod tests {
             (Quantity::Command, "c deg kp=0 kd=1", "kp is \"0\""),
             (Quantity::Command, "c motor kp=3 kd=1", "found \"motor\""),
             (Quantity::Command, "c kp=3 kd=1 delay_ms=1/2", "expected one number"),
+            (Quantity::Command, "c kp=3 kd=1 unknown=delay/lag", "unknown is \"lag\", expected delay, kp1"),
+            (Quantity::Torque, "i unknown=delay", "found \"unknown=delay\""),
         ] {
             let fault = ColumnMap::parse(quantity, text).unwrap_err();
             assert!(fault.contains(wanted), "{text}: {fault}");

@@ -4,7 +4,7 @@
 //! t=time_ms, q=joint_[1-6]_pos deg, current=actual_current_[1-6] mA
 //! t = column unit
 //! q = [file:]columns [unit] [motor] [gear=…] [sign=…] [offset=…|offset_deg=…|offset_rad=…]
-//! q_cmd = [file:]columns [unit] [sign=…] [offset=…] kp=… kd=… [delay_ms=…]
+//! q_cmd = [file:]columns [unit] [sign=…] [offset=…] kp=… kd=… [delay_ms=…] [unknown=…]
 //! ```
 //! Columns are headings, with `[1-6]` for the numbers of the joints (`[01-06]` with zeros in front), or `#2` for the second
 //! column; several stand with `/` between them: `#1/#3/#2`, `base/shoulder/elbow`. Values that differ from joint to joint do

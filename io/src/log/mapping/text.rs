@@ -31,7 +31,7 @@ impl Mapping {
             .map_err(|fault| Error::new(format!("the mapping \"{text}\": {fault}")).help(EXAMPLE))
     }
 
-    /// The same from keys and what they are mapped to.
+    /// Reads a map from keys and what they are mapped to.
     ///
     /// # Errors
     /// A sentence.
@@ -136,7 +136,7 @@ mod tests {
     fn identity_a_mapping_is_read_back_from_its_text() {
         for text in [
             "topic=/arm/joint_states, q=j[1-2] deg motor gear=32/-45.5 offset_deg=0/90, current=i[1-2] mA constant=0.05",
-            "t=t, q=x[1-2] deg, q_cmd=c[1-2] deg offset_deg=0/90 kp=100/50 kd=2 delay_ms=4",
+            "t=t, q=x[1-2] deg, q_cmd=c[1-2] deg offset_deg=0/90 kp=100/50 kd=2 delay_ms=4 unknown=delay/kp2/zero1",
             "t=time_ms ms, q='joint 1'/'joint 2' sign=1/-1 offset_deg=0.1, tau=pos:tau[1-2] % rated=2.5",
         ] {
             let mapping = Mapping::parse(text).unwrap();
@@ -147,7 +147,7 @@ mod tests {
                 let offsets = |map: &crate::log::ColumnMap| map.offset.clone().unwrap_or_default();
                 assert!(offsets(a).iter().zip(offsets(b)).all(|(a, b)| (a - b).abs() < 1e-13));
                 assert_eq!((&a.columns, &a.gear, &a.sign, &a.unit), (&b.columns, &b.gear, &b.sign, &b.unit));
-                assert_eq!((&a.kp, &a.kd, a.delay_s), (&b.kp, &b.kd, b.delay_s));
+                assert_eq!((&a.kp, &a.kd, a.delay_s, &a.unknown), (&b.kp, &b.kd, b.delay_s, &b.unknown));
             }
         }
         let topic = Mapping::parse("topic=/joint_states").unwrap();

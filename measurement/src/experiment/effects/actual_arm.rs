@@ -20,7 +20,7 @@ use crate::model::term::{
     COULOMB, Carrier, LOAD_FRICTION, MOTOR_COULOMB, MOTOR_LOAD_FRICTION, MOTOR_STRIBECK, MOTOR_VISCOUS,
     MOTOR_WARM_VISCOUS, ROTOR, STRIBECK, Term, VISCOUS, WARM_VISCOUS,
 };
-use crate::model::{DriveParameters, JointKind, Robot, StandardParameters};
+use crate::model::{DriveParameters, Joint, JointKind, Robot, StandardParameters};
 use crate::seed::RunNoise;
 
 /// Parts of a servo step where something happens between motor and link.
@@ -261,27 +261,21 @@ impl ActualArm {
         let (motor, joint) = (1e-3 * magnitude(Kind::MotorEccentricity), 1e-3 * magnitude(Kind::JointEccentricity));
         let offset = magnitude(Kind::AdcOffset);
         let signs = draw::signs(seed, "converter offsets", joints.len());
+        let position_noise = |joint: &Joint| match joint.kind {
+            JointKind::Revolute => magnitude(Kind::EncoderNoise).to_radians(),
+            JointKind::Prismatic => 0.0,
+        };
+        let current_noise = |joint: &Joint| magnitude(Kind::TorqueNoise) / joint.drive.torque_per_ampere().abs();
+        let spikes = |joint: &Joint| Spikes { share: magnitude(Kind::TorqueSpikes), range: range(joint) };
         ActualSensors {
             eccentricity: Eccentricity::of_joints(&turning(&self.robot), motor, joint, seed),
             encoder_step: magnitude(Kind::EncoderStep).max(1.0),
             converter_step: magnitude(Kind::AdcStep).max(1.0),
             offset: joints.iter().zip(signs).map(|(joint, sign)| sign * offset * range(joint)).collect(),
             memory: coloured_noise::Memory::new(1e-3 * magnitude(Kind::ColouredNoise), rate_hz),
-            position_noise: joints
-                .iter()
-                .map(|joint| match joint.kind {
-                    JointKind::Revolute => magnitude(Kind::EncoderNoise).to_radians(),
-                    JointKind::Prismatic => 0.0,
-                })
-                .collect(),
-            current_noise: joints
-                .iter()
-                .map(|joint| magnitude(Kind::TorqueNoise) / joint.drive.torque_per_ampere().abs())
-                .collect(),
-            spikes: joints
-                .iter()
-                .map(|joint| Spikes { share: magnitude(Kind::TorqueSpikes), range: range(joint) })
-                .collect(),
+            position_noise: joints.iter().map(position_noise).collect(),
+            current_noise: joints.iter().map(current_noise).collect(),
+            spikes: joints.iter().map(spikes).collect(),
         }
     }
 
@@ -322,7 +316,7 @@ fn add_terms(effects: &Effects, drive: &mut DriveParameters) {
 
 /// Torque rating of each motor of a robot, N·m.
 fn ratings(robot: &Robot) -> Vec<f64> {
-    let rating = |joint: &crate::model::Joint| {
+    let rating = |joint: &Joint| {
         let drive = &joint.drive;
         let by_current = drive.current_limit * drive.torque_per_ampere();
         if joint.limits.torque.is_finite() { joint.limits.torque } else { by_current }
@@ -336,7 +330,7 @@ fn turning(robot: &Robot) -> Vec<(f64, bool)> {
 }
 
 /// Full scale of a converter; that of the current limit where there is none.
-fn range(joint: &crate::model::Joint) -> f64 {
+fn range(joint: &Joint) -> f64 {
     let drive = &joint.drive;
     if drive.adc_range.is_finite() {
         drive.adc_range

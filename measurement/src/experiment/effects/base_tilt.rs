@@ -11,7 +11,7 @@ use super::draw;
 use crate::model::Robot;
 use crate::seed::Seed;
 
-/// The same robot on a base that is `degrees` off the plumb line.
+/// The robot on a base that is `degrees` off the plumb line.
 pub(super) fn tilt(robot: &Robot, degrees: f64, seed: Seed) -> Robot {
     let gravity = robot.base().rotation * robot.gravity();
     let (sin, cos) = libm::sincos(draw::phases(seed, "direction of the base's tilt", 1)[0]);

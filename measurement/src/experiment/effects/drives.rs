@@ -106,16 +106,13 @@ impl ActualDrives {
         }
         let is_uneven = errors.iter().any(|error| *error != TransmissionError::default());
         let asked = is_uneven || arm.needs_load() || sides.iter().any(|s| matches!(s, Side::QuasiStatic(..)));
+        let factors = torque_constant::factors(magnitude(Kind::TorqueConstant), n, seed);
         Self {
             parts: arm.parts,
             h,
             transmission: transmission.clone(),
             currents: CurrentLoop::new(1e-3 * magnitude(Kind::CurrentLag), magnitude(Kind::CurrentDelay) as usize, n),
-            per_ampere: torque_constant::factors(magnitude(Kind::TorqueConstant), n, seed)
-                .iter()
-                .zip(per_ampere)
-                .map(|(factor, per_ampere)| factor * per_ampere)
-                .collect(),
+            per_ampere: factors.iter().zip(per_ampere).map(|(factor, per_ampere)| factor * per_ampere).collect(),
             ripple: Ripple::of_motors(&geared, magnitude(Kind::TorqueRipple), magnitude(Kind::Cogging), seed),
             joints,
             motors,

@@ -49,7 +49,7 @@ impl Spring {
         Self { stiffness, damping: 0.0, gap, slips: Slips::new(stiffness, loop_width), wound: 0.0 }
     }
 
-    /// The same between a rotor of inertia `rotor` and links of mobility `mobility` (1/(kg·m²)), damped as they oscillate.
+    /// Returns this joint between a rotor of inertia `rotor` and links of mobility `mobility` (1/(kg·m²)), damped as they oscillate.
     pub(super) fn between(mut self, rotor: f64, mobility: f64) -> Self {
         let inertia = 1.0 / (1.0 / rotor + mobility);
         self.damping = 2.0 * DAMPING * (self.stiffness * inertia).sqrt();
@@ -103,7 +103,7 @@ impl MotorSide {
         Self { spring, rotor, parts, error: TransmissionError::default(), q, qd: 0.0 }
     }
 
-    /// The same rotor where its spring is without torque for a link where the rotor is now, behind an error of the gear.
+    /// Returns this rotor where its spring is without torque for a link where the rotor is now, behind an error of the gear.
     pub(super) fn with_error(mut self, error: TransmissionError) -> Self {
         self.q = error.motor(self.q);
         self.error = error;

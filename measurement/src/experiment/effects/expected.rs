@@ -6,7 +6,7 @@ use super::actual_arm::ActualArm;
 use super::actual_arm::Coupling;
 use super::kind::EffectKind as Kind;
 use super::selection::Effects;
-use crate::excitation::{EffectLaw, ExcitationError, ExpectedEffect, ExpectedEffects};
+use crate::excitation::{Criterion, EffectLaw, ExcitationError, ExpectedEffect, ExpectedEffects};
 use crate::model::{DriveParameters, Robot, StandardParameters};
 
 /// Why effects cannot be expected.
@@ -36,11 +36,12 @@ impl Effects {
         Kind::CurrentDelay,
     ];
 
-    /// What a design expects where nothing else is declared: load-dependent friction and elasticity, each at its realistic
-    /// level.
-    pub fn expected_by_default() -> Self {
-        let kinds = [Kind::LoadFriction, Kind::Elasticity];
-        kinds.into_iter().fold(Self::none(), |effects, kind| effects.with(kind, kind.entry().realistic))
+    /// What a criterion expects where nothing else is declared, each at its realistic level: load-dependent friction and
+    /// elasticity, and for measured torque also what a drive reports wrongly or late, and Stribeck friction.
+    pub fn expected_by(criterion: &dyn Criterion) -> Self {
+        let kinds = [Kind::LoadFriction, Kind::Elasticity, Kind::CurrentLag, Kind::TorqueConstant, Kind::Stribeck];
+        let count = if criterion.predicts_measured_torque() { kinds.len() } else { 2 };
+        kinds[..count].iter().fold(Self::none(), |effects, &kind| effects.with(kind, kind.entry().realistic))
     }
 
     /// These effects one by one, as a design expects them of `robot` with its `nominal` parameters: each magnitude is the
@@ -118,6 +119,7 @@ impl ActualArm {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::excitation::CriterionKind;
     use crate::experiment::Level;
     use crate::model::bundled;
     use crate::model::format::{parse_nominal, parse_robot};
@@ -134,7 +136,10 @@ mod tests {
                 assert!(error.to_string().contains("expected one of stribeck, load-friction"), "{error}");
             }
         }
-        assert_eq!(Effects::expected_by_default().expected(&robot, &nominal).unwrap().effects().len(), 2);
+        for (kind, count) in [(CriterionKind::ModelError, 2), (CriterionKind::MeasuredTorque, 5)] {
+            let effects = Effects::expected_by(&*kind.criterion());
+            assert_eq!(effects.expected(&robot, &nominal).unwrap().effects().len(), count);
+        }
     }
 
     #[test]

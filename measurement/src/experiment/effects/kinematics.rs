@@ -13,7 +13,7 @@ use crate::model::Robot;
 use crate::seed::Seed;
 use crate::spatial::Placement;
 
-/// The same robot with every length off by `millimetres` and every angle by as many milliradians.
+/// The robot with every length off by `millimetres` and every angle by as many milliradians.
 pub(super) fn disturb(robot: &Robot, millimetres: f64, seed: Seed) -> Robot {
     let error = 1e-3 * millimetres;
     let signs = draw::signs(seed, "kinematic errors", 4 * robot.dof());

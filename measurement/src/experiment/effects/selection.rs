@@ -47,7 +47,7 @@ impl Effects {
         Self { magnitudes: BTreeMap::new(), seed: Seed::new(0) }
     }
 
-    /// The same with one effect at a magnitude, in its unit; 0 switches it off.
+    /// Returns this selection with one effect at a magnitude, in its unit; 0 switches it off.
     ///
     /// # Panics
     /// If the magnitude is below zero, above [`EffectEntry::most`](super::EffectEntry::most), or no number.
@@ -69,7 +69,7 @@ impl Effects {
         Self::none().with(kind, kind.magnitude(level))
     }
 
-    /// The same effects on another arm.
+    /// Returns these effects on another arm.
     #[must_use]
     pub const fn with_seed(mut self, seed: Seed) -> Self {
         self.seed = seed;

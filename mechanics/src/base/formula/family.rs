@@ -78,7 +78,7 @@ impl Family {
 }
 
 impl Geometry {
-    /// The same arm with its variables changed: `steps` says by how many steps, `None` leaves a variable alone. A step is
+    /// The arm with its variables changed: `steps` says by how many steps, `None` leaves a variable alone. A step is
     /// a factor for a length and an addition for an angle. It is asked for `None` where an offset has no name, which is
     /// where a joint is not given by a DH row.
     fn changed(&self, mut steps: impl FnMut(Option<Variable>) -> Option<f64>) -> Self {

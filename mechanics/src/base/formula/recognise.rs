@@ -43,12 +43,8 @@ struct Entry<'a> {
 pub(super) fn coefficient(family: &Family, row: usize, column: usize, degree: i32) -> Coefficient {
     let value = family.original.reduction.k[(row, column)];
     let changes = |other: f64| (other - value).abs() > AGREEMENT * value.abs().max(other.abs());
-    let variables = family
-        .variables
-        .iter()
-        .filter(|(_, relative)| changes(relative.reduction.k[(row, column)]))
-        .map(|&(variable, _)| variable)
-        .collect();
+    let of_entry = family.variables.iter().filter(|(_, relative)| changes(relative.reduction.k[(row, column)]));
+    let variables = of_entry.map(|&(variable, _)| variable).collect();
     let entry = Entry { family, at: (row, column), variables };
     let found = entry.single_product().map(|product| vec![product]).or_else(|| entry.sum(degree));
     found.map_or(Coefficient::Number(value), Coefficient::Sum)
@@ -81,11 +77,9 @@ impl Entry<'_> {
                     powers.push((symbol, exponent));
                 }
                 Variable::Alpha(_) | Variable::Theta(_) => {
-                    let grown: Vec<(Symbol, f64)> = variable
-                        .symbols()
-                        .into_iter()
-                        .map(|symbol| (symbol, relative.letter(symbol) / self.family.original.letter(symbol)))
-                        .collect();
+                    let growth =
+                        |symbol: Symbol| (symbol, relative.letter(symbol) / self.family.original.letter(symbol));
+                    let grown: Vec<(Symbol, f64)> = variable.symbols().into_iter().map(growth).collect();
                     let exponents = pairs_by_simplicity()
                         .find(|k| (power(grown[0].1, k.0) * power(grown[1].1, k.1) / ratio - 1.0).abs() < AGREEMENT)?;
                     powers.push((grown[0].0, exponents.0));

@@ -11,16 +11,13 @@ const SMALLEST_ROW: f64 = 1e-12;
 ///
 /// Rows are scaled to unit length first: a functional weighs the same in any unit.
 fn echelon(rows: &[Vec<f64>], width: usize) -> LeftToRight {
-    let scaled: Vec<(f64, &Vec<f64>)> = rows
-        .iter()
-        .map(|row| (row.iter().map(|x| x * x).sum::<f64>().sqrt(), row))
-        .filter(|&(length, _)| length > SMALLEST_ROW)
-        .collect();
+    let with_length = rows.iter().map(|row| (row.iter().map(|x| x * x).sum::<f64>().sqrt(), row));
+    let scaled: Vec<(f64, &Vec<f64>)> = with_length.filter(|&(length, _)| length > SMALLEST_ROW).collect();
     let matrix = DMatrix::from_fn(scaled.len(), width, |i, j| scaled[i].1[j] / scaled[i].0);
     LeftToRight::new(&matrix, RankTolerance::default())
 }
 
-/// The same basis as rows whose largest entries are near 1, so that what they are multiplied with keeps its size.
+/// Basis of the row space, in rows whose largest entries are near 1, so that what they are multiplied with keeps its size.
 pub(super) fn basis(rows: &[Vec<f64>], width: usize) -> Vec<Vec<f64>> {
     let form = echelon(rows, width);
     let mut rows: Vec<Vec<f64>> = form.coefficients.row_iter().map(|row| row.iter().copied().collect()).collect();

@@ -53,7 +53,7 @@ pub(super) fn parts(robot: &Robot) -> RobotSpec {
     }
 }
 
-/// The same arm with each length of its DH table multiplied by what `factor` gives.
+/// The arm with each length of its DH table multiplied by what `factor` gives.
 pub(super) fn relengthened(robot: &Robot, mut factor: impl FnMut() -> f64) -> Robot {
     let mut spec = parts(robot);
     for joint in &mut spec.joints {

@@ -60,16 +60,7 @@ pub fn parse_mjcf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatE
 /// The bodies of a model.
 pub(super) fn read_tree<'a>(root: Element<'a>, settings: &Settings<'a>) -> Result<Tree<'a>, FormatError> {
     let mut reader = BodyReader { settings, bodies: Vec::new(), joints: 0, geoms: 0 };
-    reader.bodies.push(Body {
-        name: "world".to_owned(),
-        parent: None,
-        placement: Placement::identity(),
-        snapped: None,
-        connection: Connection::Fixed,
-        inertia: Ok(Inertia::zero()),
-        shapes: Vec::new(),
-        at: root.span(),
-    });
+    reader.bodies.push(Body::root("world", root.span()));
     for world in root.all("worldbody") {
         reader.children(world, 0, None)?;
     }
@@ -163,18 +154,8 @@ impl<'a> BodyReader<'_, 'a> {
         let connection = self.connection(element, &name, class)?;
         let inertia = self.inertia(element, &name);
         let placement = self.settings.placement(element)?;
-        let at = element.span();
-        let shapes = Vec::new();
-        self.bodies.push(Body {
-            name,
-            parent: Some(parent),
-            placement,
-            snapped: None,
-            connection,
-            inertia,
-            shapes,
-            at,
-        });
+        let root = Body::root(name, element.span());
+        self.bodies.push(Body { parent: Some(parent), placement, connection, inertia, ..root });
         self.children(element, index, class)
     }
 

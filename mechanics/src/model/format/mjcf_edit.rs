@@ -146,7 +146,7 @@ mod tests {
 </mujoco>
 "#;
 
-    /// The same text without any number that may change.
+    /// The text without any number that may change.
     fn skeleton(text: &str) -> String {
         let mut out =
             text.split_inclusive('>').filter(|tag| !tag.trim_start().starts_with("<inertial")).collect::<String>();

@@ -103,7 +103,7 @@ pub(super) fn numbers(values: &[f64]) -> String {
 /// Begins the comment that [`note`] writes.
 const NOTE: &str = "<!-- armid:";
 
-/// The same text with a comment before its root element, in the place of one that was written by the same function.
+/// The text with a comment before its root element, in the place of one that was written by the same function.
 ///
 /// ```
 /// # use armid_mechanics as armid;

@@ -58,7 +58,7 @@ pub struct SnappedJoint {
 }
 
 impl ImportedModel {
-    /// The same model, whose robot says which text it was read from.
+    /// Returns this model, whose robot says which text it was read from.
     pub(super) fn read_from(mut self, text: &str) -> Self {
         self.robot = self.robot.read_from(text);
         self
@@ -134,6 +134,22 @@ pub(super) struct Body {
     pub(super) at: Range<usize>,
 }
 
+impl Body {
+    /// One without a parent and without mass.
+    pub(super) fn root(name: impl Into<String>, at: Range<usize>) -> Self {
+        Self {
+            name: name.into(),
+            parent: None,
+            placement: Placement::identity(),
+            snapped: None,
+            connection: Connection::Fixed,
+            inertia: Ok(Inertia::zero()),
+            shapes: Vec::new(),
+            at,
+        }
+    }
+}
+
 /// A rotor that turns by `Σ c_j q_j`.
 pub(super) struct CoupledRotor {
     /// Number of its motor, from one, where its name says it.
@@ -184,12 +200,8 @@ impl Tree<'_> {
 
     /// The bodies below `base` on the way to `tip` that move against their parent.
     pub(super) fn moving(&self, base: usize, tip: usize) -> Vec<usize> {
-        let path = self.path(tip);
-        path.into_iter()
-            .skip_while(|&b| b != base)
-            .skip(1)
-            .filter(|&b| !matches!(self.bodies[b].connection, Connection::Fixed))
-            .collect()
+        let below = self.path(tip).into_iter().skip_while(|&b| b != base).skip(1);
+        below.filter(|&b| !matches!(self.bodies[b].connection, Connection::Fixed)).collect()
     }
 
     pub(super) fn assemble(self, base: usize, moving: &[usize]) -> Result<ImportedModel, FormatError> {

@@ -52,7 +52,7 @@ pub fn parse_urdf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatE
     tree.chain(ends).map(|model| model.read_from(text))
 }
 
-/// The same with every angle as it is written, rounded right angles too: what a reader that does not mend them sees.
+/// Reads a URDF and keeps every angle as it is written, rounded right angles too, as readers do that do not mend them.
 ///
 /// # Errors
 /// As [`parse_urdf`].
@@ -139,25 +139,15 @@ fn bodies(
         let inertia = Ok(read_inertial(links[link])?);
         let shapes = collision_shapes(links[link]);
         bodies.push(match &carrier[link] {
-            None => Body {
-                name: names[link].to_owned(),
-                parent: None,
-                placement: Placement::identity(),
-                snapped: None,
-                connection: Connection::Fixed,
-                inertia,
-                shapes,
-                at: links[link].span(),
-            },
+            None => Body { inertia, shapes, ..Body::root(names[link], links[link].span()) },
             Some(joint) => Body {
-                name: names[link].to_owned(),
                 parent: order.iter().position(|&parent| parent == joint.parent),
                 placement: joint.origin,
                 snapped: joint.snapped()?,
                 connection: joint.connection(remarks)?,
                 inertia,
                 shapes,
-                at: joint.element.span(),
+                ..Body::root(names[link], joint.element.span())
             },
         });
         order.extend((0..links.len()).filter(|&child| carrier[child].as_ref().is_some_and(|j| j.parent == link)));

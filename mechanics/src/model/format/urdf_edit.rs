@@ -169,7 +169,7 @@ mod tests {
 	<gazebo/></robot>
 "#;
 
-    /// The same text without any number of an inertia or a friction.
+    /// The text without any number of an inertia or a friction.
     fn skeleton(text: &str) -> String {
         text.split_inclusive('>')
             .filter(|tag| {

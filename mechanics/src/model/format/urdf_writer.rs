@@ -41,7 +41,7 @@ pub fn write_urdf(robot: &Robot, parameters: &StandardParameters, header: &str) 
     written(robot, parameters, header, &|_, _| String::new())
 }
 
-/// The same for viewers, with the bodies of collision checks as what one sees; of a robot without any, a rod from joint to joint.
+/// Writes a URDF for viewers, which show the bodies of collision checks, or a rod from joint to joint if there are none.
 pub fn write_urdf_to_view(robot: &Robot, parameters: &StandardParameters, header: &str) -> String {
     let joints = robot.joints();
     written(robot, parameters, header, &|link, frame| {

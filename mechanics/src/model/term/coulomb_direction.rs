@@ -9,9 +9,8 @@
 //!
 //! Source: P. I. Corke, B. Armstrong-Hélouvry, ICRA 1994, give both directions for every joint of the PUMA 560.
 
-use super::entry::{
-    ByJoint, Carrier, Dimension, Dissipation, Needs, Place, Prior, PriorOf, ShapeParameter, Sign, Structure, TermEntry,
-};
+use super::coulomb::CoulombFriction;
+use super::entry::{ByJoint, Dissipation, Prior, PriorOf, Sign, Structure, TermEntry};
 use super::input::{Shapes, TermInput};
 use super::law::TermLaw;
 use super::number::Number;
@@ -26,17 +25,12 @@ impl TermLaw for CoulombDirection {
         name: "direction",
         meaning: "Coulomb friction forward above mean",
         group: "direction",
-        place: Place::Joint,
-        carrier: Carrier::Drive,
-        dimension: Dimension { effort: 0, coordinate: 0, per_time: 0 },
-        unit: ByJoint { revolute: "N·m", prismatic: "N" },
         key: ByJoint { revolute: "coulomb_direction_nm", prismatic: "coulomb_direction_n" },
         sign: Sign::Any,
         dissipation: Dissipation::Beside("Fc"),
         structure: Structure::Function { family: "squared smooth sign", odd: false },
         prior: Prior { key: "coulomb_direction_nm", of: PriorOf::Unit, default: Some(0.5) },
-        needs: Needs::MOTION,
-        shapes: &[ShapeParameter::COULOMB_VELOCITY],
+        ..CoulombFriction::ENTRY
     };
 
     #[inline(always)]

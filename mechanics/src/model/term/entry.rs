@@ -56,7 +56,7 @@ pub struct Dimension {
     pub per_time: i32,
 }
 
-/// The same text or number for a revolute and a prismatic joint.
+/// One text or number for a revolute and a prismatic joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ByJoint {
     /// For a revolute joint.

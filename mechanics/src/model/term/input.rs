@@ -56,7 +56,7 @@ impl TermInput<f64> {
     }
 }
 
-/// The same of several coordinates or samples: slices of one length. `load` and `warmth` may be empty where no law
+/// Input of several coordinates or samples: slices of one length. `load` and `warmth` may be empty where no law
 /// needs them.
 #[derive(Clone, Copy, Debug)]
 pub struct TermBlock<'a> {

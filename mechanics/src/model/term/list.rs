@@ -57,15 +57,15 @@ terms! {
     MOTOR_COULOMB: MotorCoulombFriction;
     /// Friction that falls as a joint starts to move.
     STRIBECK: Stribeck;
-    /// The same of a coupled motor.
+    /// Friction that falls as a joint starts to move, of a coupled motor.
     MOTOR_STRIBECK: MotorStribeck;
     /// Coulomb friction that grows with the transmitted torque.
     LOAD_FRICTION: LoadFriction;
-    /// The same of a coupled motor.
+    /// Coulomb friction that grows with the transmitted torque, of a coupled motor.
     MOTOR_LOAD_FRICTION: MotorLoadFriction;
     /// Viscous friction that changes as the gear warms up.
     WARM_VISCOUS: WarmViscousFriction;
-    /// The same of a coupled motor.
+    /// Viscous friction that changes as the gear warms up, of a coupled motor.
     MOTOR_WARM_VISCOUS: MotorWarmViscousFriction;
     /// Coulomb friction that differs between the two directions.
     COULOMB_DIRECTION: CoulombDirection;
@@ -75,6 +75,6 @@ terms! {
     QUADRATIC_VISCOUS: QuadraticViscousFriction;
     /// Coulomb friction that depends on position: its cosine.
     POSITION_COSINE: PositionCosine;
-    /// The same: its sine.
+    /// Coulomb friction that depends on position: its sine.
     POSITION_SINE: PositionSine;
 }

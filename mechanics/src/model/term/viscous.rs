@@ -4,9 +4,8 @@
 //! g = v        φ = Fv
 //! ```
 
-use super::entry::{
-    ByJoint, Carrier, Dimension, Dissipation, Needs, Place, Prior, PriorOf, Sign, Structure, TermEntry,
-};
+use super::coulomb::CoulombFriction;
+use super::entry::{ByJoint, Dimension, Prior, PriorOf, Structure, TermEntry};
 use super::input::TermInput;
 use super::law::TermLaw;
 use super::number::Number;
@@ -21,17 +20,13 @@ impl TermLaw for ViscousFriction {
         name: "viscous",
         meaning: "viscous friction",
         group: "viscous",
-        place: Place::Joint,
-        carrier: Carrier::Drive,
         dimension: Dimension { effort: 0, coordinate: 1, per_time: 1 },
         unit: ByJoint { revolute: "N·m·s/rad", prismatic: "N·s/m" },
         key: ByJoint { revolute: "viscous_nm_s_rad", prismatic: "viscous_n_s_m" },
-        sign: Sign::NotNegative,
-        dissipation: Dissipation::Always,
         structure: Structure::Viscous,
         prior: Prior { key: "viscous", of: PriorOf::Value, default: None },
-        needs: Needs::MOTION,
         shapes: &[],
+        ..CoulombFriction::ENTRY
     };
 
     #[inline(always)]

@@ -31,7 +31,7 @@ fn drive(plant: &mut dyn Plant, time: f64, dt: f64, tau: impl Fn(f64) -> Vec<f64
     q.iter().chain(qd).copied().collect()
 }
 
-/// The same without any torque.
+/// The motion without any torque.
 fn fall(plant: &mut dyn Plant, time: f64, dt: f64) -> Vec<f64> {
     let n = plant.dof();
     drive(plant, time, dt, |_| vec![0.0; n])

@@ -30,7 +30,7 @@ pub(super) fn chains(count: u64) -> impl Iterator<Item = (Robot, StandardParamet
     })
 }
 
-/// The same without friction and offset.
+/// The parameters without friction and offset.
 pub(super) fn frictionless(parameters: &StandardParameters) -> StandardParameters {
     let mut out = parameters.clone();
     for drive in &mut out.drives {

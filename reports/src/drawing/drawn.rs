@@ -1,0 +1,31 @@
+//! A figure that has a place for each of its shapes.
+
+use super::canvas::Canvas;
+use super::pdf;
+use super::sheet::Sheet;
+use crate::FigureError;
+use crate::heading::Heading;
+
+/// A figure with a place for each of its shapes, to be written as SVG or PDF.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawing {
+    pub(super) canvas: Canvas,
+    pub(super) heading: Heading,
+    pub(super) sheet: Sheet,
+}
+
+impl Drawing {
+    /// One SVG element; equal drawings give equal bytes.
+    ///
+    /// # Errors
+    /// [`FigureError::Backend`] if the writer refuses a shape.
+    pub fn svg(&self) -> Result<String, FigureError> {
+        self.canvas.svg(&self.heading, self.sheet)
+    }
+
+    /// One page of PDF 1.4 as large as the figure, text as text. It names the fonts Helvetica and Symbol, which every reader has,
+    /// and embeds none.
+    pub fn pdf(&self) -> Vec<u8> {
+        pdf::page(&self.canvas, &self.heading, self.sheet)
+    }
+}
