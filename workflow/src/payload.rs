@@ -43,7 +43,7 @@ impl PayloadSide {
             None => {}
         }
         let name = log.name();
-        let mut estimates = log.identify_watched(columns, &[estimator.estimator()], observer)?;
+        let mut estimates = log.identify_for_difference(columns, &[estimator.estimator()], observer)?;
         let ended = |of: &Estimate| matches!(of.termination, Termination::Interrupted { .. });
         let estimate = estimates.pop().filter(|of| !ended(of)).ok_or_else(|| Error::interrupted(&name))?;
         Ok(Self { estimate, name, inputs })

@@ -54,8 +54,32 @@ impl ProcessedLog {
         estimators: &[&dyn Estimator],
         observer: &dyn Observer,
     ) -> Result<Vec<Estimate>, Error> {
+        let identification = self.identification(columns).map_err(|error| self.unestimated(&error))?;
+        self.estimates(identification.with_omitted_laws(), estimators, observer)
+    }
+
+    /// One of two logs of the same motion, for the difference of their estimates. What laws that the model omits do to both is
+    /// not in it, so intervals hold no part for such laws, as those of [`Self::identify_watched`] do.
+    ///
+    /// # Errors
+    /// As [`Self::identify`].
+    pub fn identify_for_difference(
+        &self,
+        columns: Columns,
+        estimators: &[&dyn Estimator],
+        observer: &dyn Observer,
+    ) -> Result<Vec<Estimate>, Error> {
+        let identification = self.identification(columns).map_err(|error| self.unestimated(&error))?;
+        self.estimates(identification, estimators, observer)
+    }
+
+    fn estimates(
+        &self,
+        mut identification: Identification,
+        estimators: &[&dyn Estimator],
+        observer: &dyn Observer,
+    ) -> Result<Vec<Estimate>, Error> {
         let named = |error: EstimationError| self.unestimated(&error);
-        let mut identification = self.identification(columns).map_err(named)?.with_omitted_laws();
         if let Some(guess) = self.robot.guess() {
             identification = identification.with_nominal(guess);
         }

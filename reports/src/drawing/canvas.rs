@@ -10,7 +10,6 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontFamily, FontStyle, FontTransform, IntoFont, RGBAColor, ShapeStyle, TextStyle};
 
 use super::colour::{Colour, dark_style};
-use super::drawn::Drawing;
 use super::sheet::Sheet;
 use super::typeface::Font;
 use crate::FigureError;
@@ -282,11 +281,6 @@ impl Canvas {
                 self.line((x - d, y + d), (x + d, y - d), stroke);
             }
         }
-    }
-
-    /// The picture with its heading, on the sheet whose width it has.
-    pub(crate) fn finish(self, heading: &Heading, sheet: Sheet) -> Drawing {
-        Drawing { canvas: self, heading: heading.clone(), sheet }
     }
 
     /// The picture as one SVG element; equal shapes give equal bytes.

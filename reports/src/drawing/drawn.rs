@@ -15,6 +15,11 @@ pub struct Drawing {
 }
 
 impl Drawing {
+    /// These shapes with their heading, on the sheet whose width they have.
+    pub(crate) fn new(canvas: Canvas, heading: &Heading, sheet: Sheet) -> Self {
+        Self { canvas, heading: heading.clone(), sheet }
+    }
+
     /// One SVG element; equal drawings give equal bytes.
     ///
     /// # Errors

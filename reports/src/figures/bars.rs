@@ -178,6 +178,6 @@ impl Figure for BarFigure {
                 }
             }
         }
-        Ok(rows.canvas.finish(&self.heading, sheet))
+        Ok(Drawing::new(rows.canvas, &self.heading, sheet))
     }
 }

@@ -223,6 +223,6 @@ impl Figure for BoxFigure {
                 }
             }
         }
-        Ok(rows.canvas.finish(&self.heading, sheet))
+        Ok(Drawing::new(rows.canvas, &self.heading, sheet))
     }
 }

@@ -149,7 +149,7 @@ impl Figure for ConvergenceFigure {
                 }
             }
         }
-        Ok(canvas.finish(&self.heading, sheet))
+        Ok(Drawing::new(canvas, &self.heading, sheet))
     }
 }
 

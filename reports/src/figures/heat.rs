@@ -258,7 +258,7 @@ impl Figure for HeatFigure {
                 canvas.text_upwards(&name, (x, top - 6.0), Font::TICK, Colour::TEXT, Align::Start);
             }
         }
-        Ok(canvas.finish(&self.heading, sheet))
+        Ok(Drawing::new(canvas, &self.heading, sheet))
     }
 }
 

@@ -137,7 +137,7 @@ impl Figure for IntervalFigure {
                 });
             }
         }
-        Ok(rows.canvas.finish(&self.heading, sheet))
+        Ok(Drawing::new(rows.canvas, &self.heading, sheet))
     }
 }
 

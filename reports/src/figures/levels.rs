@@ -212,7 +212,7 @@ impl Figure for LevelFigure {
         }
         let at = (0.5 * (LEFT + whole - MARGIN), bottom + 39.0);
         canvas.text(&TEXT.fit(&self.label, whole - LEFT), at, TEXT, Colour::TEXT, Align::Middle);
-        Ok(canvas.finish(&self.heading, sheet))
+        Ok(Drawing::new(canvas, &self.heading, sheet))
     }
 }
 

@@ -146,7 +146,7 @@ impl Figure for PosesFigure {
         let ends = [(MARGIN, below), (MARGIN + bar * view.scale, below)];
         canvas.line(ends[0], ends[1], Ink::new(Colour::TEXT, 2.0));
         canvas.text("0.5 m", (ends[1].0 + 8.0, below), Font::NOTE, Colour::TEXT, Align::Start);
-        Ok(canvas.finish(&self.heading, sheet))
+        Ok(Drawing::new(canvas, &self.heading, sheet))
     }
 }
 

@@ -346,6 +346,6 @@ impl Figure for ScatterFigure {
         for (panel, plot) in self.panels.iter().zip(&plots) {
             panel.draw(&mut canvas, plot);
         }
-        Ok(canvas.finish(&self.heading, sheet))
+        Ok(Drawing::new(canvas, &self.heading, sheet))
     }
 }

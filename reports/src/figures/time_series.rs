@@ -211,6 +211,6 @@ impl Figure for TimeSeriesFigure {
                 canvas.text(&label, at, Font::NOTE, Colour::MUTED, Align::End);
             }
         }
-        Ok(canvas.finish(&self.heading, sheet))
+        Ok(Drawing::new(canvas, &self.heading, sheet))
     }
 }
