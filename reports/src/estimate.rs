@@ -104,8 +104,20 @@ pub fn estimate_document(input: &EstimateInput) -> Result<Document, DocumentErro
     Ok(document.provenance("armid", env!("CARGO_PKG_VERSION")))
 }
 
-/// Measured and predicted torque of some joints; `of` says which rows, `unit` is that of the torque.
-pub fn torque_figure(traces: &[TorqueTrace], of: &str, unit: &str, bandwidth_hz: f64) -> TimeSeriesFigure {
+/// Measured and predicted torque of some joints; `of` says which rows, `unit` is that of the torque, `missed` what the prediction
+/// leaves of it.
+pub fn torque_figure(
+    traces: &[TorqueTrace],
+    of: &str,
+    unit: &str,
+    bandwidth_hz: f64,
+    missed: Option<&ResidualShares>,
+) -> TimeSeriesFigure {
+    let finding = missed.and_then(|share| Some((&share.label, share.total?)));
+    let title = finding.map_or_else(
+        || "Measured and predicted torque".to_owned(),
+        |(label, total)| format!("The prediction misses {} % of the torque ({label})", significant(total, 2)),
+    );
     let panels = traces.iter().take(PANELS).map(|trace| TimePanel {
         title: trace.joint.clone(),
         lines: vec![
@@ -115,7 +127,7 @@ pub fn torque_figure(traces: &[TorqueTrace], of: &str, unit: &str, bandwidth_hz:
         limits: Vec::new(),
     });
     TimeSeriesFigure {
-        heading: Heading::new("torque", "Measured and predicted torque")
+        heading: Heading::new("torque", title)
             .subtitle(format!("{of}, below {bandwidth_hz} Hz"))
             .caption("Both passed the same low pass. Where only one line shows, both are the same."),
         time: Axis::linear("time", "s"),
@@ -127,10 +139,8 @@ pub fn torque_figure(traces: &[TorqueTrace], of: &str, unit: &str, bandwidth_hz:
 }
 
 fn torque(input: &EstimateInput) -> Result<Section, DocumentError> {
-    let mut figure = torque_figure(&input.traces, &input.traces_of, &input.unit, input.bandwidth_hz);
-    if let Some((label, total)) = input.shares.last().and_then(|share| Some((&share.label, share.total?))) {
-        figure.heading.title = format!("The prediction misses {} % of the torque ({label})", significant(total, 2));
-    }
+    let missed = input.shares.last();
+    let figure = torque_figure(&input.traces, &input.traces_of, &input.unit, input.bandwidth_hz, missed);
     Section::new("Torque").figure(&figure)
 }
 

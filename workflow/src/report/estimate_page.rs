@@ -57,6 +57,7 @@ pub struct TorqueComparison<'a> {
     joints: Vec<String>,
     unit: &'a str,
     bandwidth_hz: f64,
+    shares: Vec<ResidualShares>,
 }
 
 impl<'a> TorqueComparison<'a> {
@@ -65,6 +66,17 @@ impl<'a> TorqueComparison<'a> {
     /// # Errors
     /// [`Error`] where the estimate is of another robot or of other parameters.
     pub fn of((estimate, name): (&'a Estimate, &str), log: &'a ProcessedLog) -> Result<Self, Error> {
+        let (used, held_out) = log.residual(estimate, name)?;
+        Self::with_residual((estimate, name), log, (&used, held_out.as_ref()))
+    }
+
+    fn with_residual(
+        (estimate, name): (&'a Estimate, &str),
+        log: &'a ProcessedLog,
+        (used, held_out): (&TorqueResidual, Option<&TorqueResidual>),
+    ) -> Result<Self, Error> {
+        let mut shares = vec![in_percent("used rows", used, true), in_percent("all rows", used, false)];
+        shares.extend(held_out.map(|residual| in_percent("held out", residual, false)));
         let is_held_out = !log.held_out.is_empty();
         let parts = if is_held_out { &log.held_out[..1] } else { &log.parts[..1] };
         Ok(Self {
@@ -74,6 +86,7 @@ impl<'a> TorqueComparison<'a> {
             joints: log.joint_names(),
             unit: estimate.units.first().map_or("", String::as_str),
             bandwidth_hz: log.settings.bandwidth_hz.min(0.4 * parts[0].rate_hz),
+            shares,
         })
     }
 
@@ -102,7 +115,8 @@ impl<'a> TorqueComparison<'a> {
     /// # Errors
     /// [`Error`] where it cannot be drawn.
     pub fn svg(&self) -> Result<String, Error> {
-        let figure = torque_figure(&self.traces(), self.rows(), self.unit, self.bandwidth_hz);
+        let missed = self.shares.last();
+        let figure = torque_figure(&self.traces(), self.rows(), self.unit, self.bandwidth_hz, missed);
         figure.svg().map_err(DocumentError::from).map_err(cannot_be_drawn)
     }
 }
@@ -120,9 +134,8 @@ impl Page<'_> {
         let expressions = self.prepared.expressions(self.estimate, self.name)?;
         let joints = self.prepared.joint_names();
         steps.begin(self.name)?;
-        let torque = TorqueComparison::of((self.estimate, self.name), self.prepared)?;
-        let mut shares = vec![in_percent("used rows", &used, true), in_percent("all rows", &used, false)];
-        shares.extend(held_out.as_ref().map(|residual| in_percent("held out", residual, false)));
+        let of = (self.estimate, self.name);
+        let torque = TorqueComparison::with_residual(of, self.prepared, (&used, held_out.as_ref()))?;
         let parameters = self.estimate.base.iter().zip(expressions).map(|(parameter, expression)| ParameterRow {
             name: parameter.name.clone(),
             expression,
@@ -150,7 +163,7 @@ impl Page<'_> {
             joints,
             unit: torque.unit.to_owned(),
             bandwidth_hz: used.bandwidth_hz,
-            shares,
+            shares: torque.shares.clone(),
             traces: torque.traces(),
             traces_of: torque.rows().to_owned(),
             diagnostics,
