@@ -318,8 +318,13 @@ impl fmt::Display for Finding {
                 write!(f, "; largest at a {variable} of {from:.3} to {to:.3} {range_unit}: {rms} {unit}")
             }
             Self::EffectShown { effect, size, unit, p_adjusted } => {
-                let size = if unit.is_empty() { format!("{:.2} %", 100.0 * size) } else { format!("{size:.2} {unit}") };
-                write!(f, "the log shows {effect}, which the model omits: about {size} ({})", probability(*p_adjusted))
+                let (size, unit) = if unit.is_empty() { (100.0 * size, "%") } else { (*size, unit.as_str()) };
+                let (effect, size) = (effect.replace('-', " "), three(size));
+                write!(
+                    f,
+                    "the log shows {effect}, which the model omits: about {size} {unit} ({})",
+                    probability(*p_adjusted)
+                )
             }
             Self::ResidualCorrelated { joint, correlation, expected } => write!(
                 f,
