@@ -228,6 +228,25 @@ mod tests {
     use crate::seed::Seed;
 
     #[test]
+    fn identity_the_width_of_the_processor_changes_no_bit() {
+        let (robot, _) = ChainRecipe::new(4).draw(&mut Seed::new(16).stream("gram", 0));
+        let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
+        let mut cells = Cells::in_columns(&regressor, &(0..37).collect::<Vec<_>>(), DEPTH);
+        for (k, line) in cells.sums.iter_mut().enumerate() {
+            line.0 = std::array::from_fn(|lane| libm::sin((k * k + lane) as f64));
+        }
+        let runs: Vec<Run> = (0..38).map(|place| Run { place, lines: place % 3..(place % 4 + 1) * DEPTH }).collect();
+        let [mut wide, mut narrow] = [0, 1].map(|_| vec![Line([0.0; TOGETHER]); 38 * 38]);
+        Arch::new().dispatch(Products { runs: &runs, cells: &cells, width: 38, sums: &mut wide });
+        Arch::Scalar.dispatch(Products { runs: &runs, cells: &cells, width: 38, sums: &mut narrow });
+        for row in 0..38 {
+            for at in 38 * row + row..38 * (row + 1) {
+                assert_eq!(wide[at].0, narrow[at].0, "row {row}");
+            }
+        }
+    }
+
+    #[test]
     fn identity_normal_equations_are_those_of_the_stack() {
         for run in 0..9 {
             let dof = 1 + usize::try_from(run).unwrap();
