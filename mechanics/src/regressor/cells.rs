@@ -16,6 +16,8 @@ pub(super) struct Line(pub(super) [f64; TOGETHER]);
 /// Sums of the blocks that are worked on, one cell for each joint and wanted column.
 pub(super) struct Cells<'a> {
     regressor: &'a JointTorqueRegressor,
+    /// Those that are wanted.
+    columns: &'a [usize],
     /// Of each link's ten columns, where its cells begin, or [`UNWANTED`].
     links: Vec<[usize; 10]>,
     /// Place of each of the terms' columns among the wanted.
@@ -48,12 +50,12 @@ const UNWANTED: usize = usize::MAX / 2;
 
 impl<'a> Cells<'a> {
     /// One line each, row-major n × wanted.
-    pub(super) fn in_rows(regressor: &'a JointTorqueRegressor, columns: &[usize]) -> Self {
+    pub(super) fn in_rows(regressor: &'a JointTorqueRegressor, columns: &'a [usize]) -> Self {
         Self::new(regressor, columns, [columns.len(), 1], regressor.rows() * columns.len())
     }
 
     /// `depth` lines each, one joint after the other in each column; after the last column one more, of every joint.
-    pub(super) fn in_columns(regressor: &'a JointTorqueRegressor, columns: &[usize], depth: usize) -> Self {
+    pub(super) fn in_columns(regressor: &'a JointTorqueRegressor, columns: &'a [usize], depth: usize) -> Self {
         let (n, last) = (regressor.rows(), columns.len());
         // An odd distance, so that the columns do not take each other's places in the first cache.
         let column = (n * depth) | 1;
@@ -62,7 +64,7 @@ impl<'a> Cells<'a> {
         cells
     }
 
-    fn new(regressor: &'a JointTorqueRegressor, columns: &[usize], strides: [usize; 2], lines: usize) -> Self {
+    fn new(regressor: &'a JointTorqueRegressor, columns: &'a [usize], strides: [usize; 2], lines: usize) -> Self {
         let n = regressor.rows();
         let mut links = vec![[UNWANTED; 10]; n];
         let mut terms = vec![None; regressor.cols() - 10 * n];
@@ -74,19 +76,14 @@ impl<'a> Cells<'a> {
             } else {
                 terms[column - 10 * n] = Some(place);
             }
-            // A link loads the joints up to its own. Which of them a term loads is seen when it does, if it depends on motion alone.
-            let loaded = if !regressor.links.is_empty() {
-                n
-            } else if link < n {
-                link + 1
-            } else {
-                0
-            };
+            // A link loads the joints up to its own. Which of them a term of motion alone loads is seen when it does.
+            let of_motion = if link < n { link + 1 } else { 0 };
+            let loaded = if regressor.links.is_empty() { of_motion } else { n };
             let cell = |joint: usize| Cell { place, joint, index: joint * strides[0] + place * strides[1] };
             touched.extend((0..loaded).map(cell));
         }
         let (sums, of_terms) = (vec![Line([0.0; TOGETHER]); lines], vec![false; lines]);
-        Self { regressor, links, terms, strides, line: 0, sums, touched, sorted: 0, of_terms }
+        Self { regressor, columns, links, terms, strides, line: 0, sums, touched, sorted: 0, of_terms }
     }
 
     /// Adds one sample of each block; the `FIRST` of them takes the place of what was there.
@@ -97,6 +94,9 @@ impl<'a> Cells<'a> {
         state: &Together,
         axes: &mut [LaneMotion<Wide<S>>],
     ) {
+        if !self.regressor.links.is_empty() {
+            return self.add_alone::<FIRST>(state);
+        }
         let Self { regressor, links, terms, strides: [of_joint, of_column], line, sums, touched, of_terms, .. } = self;
         let (of_joint, of_column) = (*of_joint, *of_column);
         let sums = &mut sums[*line..];
@@ -154,18 +154,36 @@ impl<'a> Cells<'a> {
 }
 
 impl Cells<'_> {
+    /// [`Self::add`] sample by sample, for terms that depend on the torque that all links take.
+    fn add_alone<const FIRST: bool>(&mut self, state: &Together) {
+        let p = self.regressor.cols();
+        let mut rows = vec![0.0; self.regressor.rows() * p];
+        for lane in 0..TOGETHER {
+            let of = |x: &[[f64; TOGETHER]]| -> Vec<f64> { x.iter().map(|x| x[lane]).collect() };
+            self.regressor.evaluate(&of(&state.q), &of(&state.qd), &of(&state.qdd), &mut rows);
+            for cell in self.touched.iter().filter(|cell| cell.place < self.columns.len()) {
+                let entry = rows[cell.joint * p + self.columns[cell.place]];
+                let sum = &mut self.sums[cell.index + self.line].0[lane];
+                *sum = if FIRST { entry } else { *sum + entry };
+            }
+        }
+    }
+
     /// All lines of the column at `place`, joint after joint.
     #[inline(always)]
     pub(super) fn column(&self, place: usize) -> &[Line] {
         &self.sums[place * self.strides[1]..][..self.strides[1]]
     }
 
-    /// Sets the line of every joint in the column at `place` to `count` samples, and zeros.
-    pub(super) fn put(&mut self, place: usize, count: usize, entry: impl Fn(usize, usize) -> f64) {
+    /// Sets the line of every joint in the one column more, to the values of some samples, n each.
+    pub(super) fn put_last(&mut self, values: &[f64]) {
         let [of_joint, of_column] = self.strides;
-        for joint in 0..self.regressor.rows() {
-            let of_lane = |lane: usize| if lane < count { entry(joint, lane) } else { 0.0 };
-            self.sums[joint * of_joint + place * of_column + self.line] = Line(std::array::from_fn(of_lane));
+        let n = self.regressor.rows();
+        for joint in 0..n {
+            let line = &mut self.sums[joint * of_joint + self.columns.len() * of_column + self.line];
+            for (to, values) in line.0.iter_mut().zip(values.chunks_exact(n)) {
+                *to = values[joint];
+            }
         }
     }
 

@@ -27,36 +27,16 @@ impl JointTorqueRegressor {
     /// If the arrays are not as long as each other or not those of whole samples, there is not one weight per joint, or a column is
     /// beyond p.
     pub fn gram(&self, samples: [&[f64]; 3], columns: &[usize], torque: &[f64], weights: &[f64]) -> Gram {
-        let (n, p, all) = (self.rows(), self.cols(), samples_of(self.rows(), samples));
-        assert_eq!(
-            (torque.len(), weights.len()),
-            (all * n, n),
-            "one torque per joint and sample, one weight per joint"
-        );
+        let n = self.rows();
+        let expected = (samples_of(n, samples) * n, n);
+        assert_eq!((torque.len(), weights.len()), expected, "one torque per joint and sample, one weight per joint");
         let mut sums = Sums::new(columns.len(), weights);
-        let mut take = |cells: &mut Cells<'_>, first: usize, count: usize| {
-            cells.put(columns.len(), count, |joint, lane| torque[(first + lane) * n + joint]);
-            sums.take(cells, count);
-        };
         let mut cells = Cells::in_columns(self, columns, DEPTH);
-        if self.links.is_empty() {
-            self.stack_by(&mut cells, samples, 1, take);
-        } else {
-            // Sample by sample, for terms that depend on the torque that all links take.
-            let mut rows = vec![0.0; TOGETHER * n * p];
-            for first in (0..all).step_by(TOGETHER) {
-                let count = TOGETHER.min(all - first);
-                for (k, rows) in (first..first + count).zip(rows.chunks_exact_mut(n * p)) {
-                    let [q, qd, qdd] = samples.map(|x| &x[k * n..(k + 1) * n]);
-                    self.evaluate(q, qd, qdd, rows);
-                }
-                for (place, column) in columns.iter().enumerate() {
-                    cells.put(place, count, |joint, lane| rows[(lane * n + joint) * p + column]);
-                }
-                take(&mut cells, first, count);
-            }
-        }
-        sums.finish(cells, all * n)
+        self.stack_by(&mut cells, samples, 1, |cells, first, count| {
+            cells.put_last(&torque[first * n..(first + count) * n]);
+            sums.take(cells, count);
+        });
+        sums.finish(cells, torque.len())
     }
 }
 
@@ -231,7 +211,8 @@ mod tests {
     fn identity_the_width_of_the_processor_changes_no_bit() {
         let (robot, _) = ChainRecipe::new(4).draw(&mut Seed::new(16).stream("gram", 0));
         let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
-        let mut cells = Cells::in_columns(&regressor, &(0..37).collect::<Vec<_>>(), DEPTH);
+        let columns: Vec<usize> = (0..37).collect();
+        let mut cells = Cells::in_columns(&regressor, &columns, DEPTH);
         for (k, line) in cells.sums.iter_mut().enumerate() {
             line.0 = std::array::from_fn(|lane| libm::sin((k * k + lane) as f64));
         }

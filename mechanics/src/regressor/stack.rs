@@ -74,9 +74,6 @@ impl JointTorqueRegressor {
         if w.is_empty() {
             return;
         }
-        if !self.links.is_empty() {
-            return self.stack_under_load(states, columns, block, w);
-        }
         let (rows, w) = (w.nrows(), w.as_mut_slice());
         self.stack_by(
             &mut Cells::in_rows(self, columns),
@@ -93,28 +90,18 @@ impl JointTorqueRegressor {
     /// # Panics
     /// If they are not as long as each other or not those of whole samples, `out` is not N·n·c long, or a column is beyond p.
     pub fn stack_rows_into(&self, samples: [&[f64]; 3], columns: &[usize], out: &mut [f64]) {
-        let (n, p, sample) = (self.rows(), self.cols(), self.rows() * columns.len());
+        let (n, sample) = (self.rows(), self.rows() * columns.len());
         assert_eq!(out.len(), samples_of(n, samples) * sample, "one place for each entry");
         if sample == 0 {
             return;
         }
-        if self.links.is_empty() {
-            return self.stack_by(
-                &mut Cells::in_rows(self, columns),
-                samples,
-                1,
-                #[inline(always)]
-                |cells, first, count| cells.write_in_rows(&mut out[first * sample..], count),
-            );
-        }
-        let mut rows = vec![0.0; n * p];
-        for (k, out) in out.chunks_exact_mut(sample).enumerate() {
-            let [q, qd, qdd] = samples.map(|x| &x[k * n..(k + 1) * n]);
-            self.evaluate(q, qd, qdd, &mut rows);
-            for (to, row) in out.chunks_exact_mut(columns.len()).zip(rows.chunks_exact(p)) {
-                to.iter_mut().zip(columns).for_each(|(to, &column)| *to = row[column]);
-            }
-        }
+        self.stack_by(
+            &mut Cells::in_rows(self, columns),
+            samples,
+            1,
+            #[inline(always)]
+            |cells, first, count| cells.write_in_rows(&mut out[first * sample..], count),
+        );
     }
 
     /// The sums of a few blocks after the other in `cells`, for `put(cells, first, count)`.
@@ -143,48 +130,17 @@ impl JointTorqueRegressor {
     ) {
         let n = self.rows();
         assert_eq!(states.dof, n, "states of {} joints, expected {n}", states.dof);
-        if self.links.is_empty() {
-            let mut numbers = vec![0.0; TOGETHER * n * columns.len()];
-            return self.stack_by(
-                &mut Cells::in_rows(self, columns),
-                states.arrays(),
-                block,
-                #[inline(always)]
-                |cells, first, count| {
-                    cells.write(&mut numbers, TOGETHER * n, 0, count);
-                    visit(&StackPart { first, count, joints: n, numbers: &numbers });
-                },
-            );
-        }
-        let w = self.stack_means(states, columns, block);
         let mut numbers = vec![0.0; TOGETHER * n * columns.len()];
-        for first in (0..w.nrows() / n).step_by(TOGETHER) {
-            let count = TOGETHER.min(w.nrows() / n - first);
-            for (to, from) in numbers.chunks_exact_mut(TOGETHER * n).zip(w.column_iter()) {
-                to[..count * n].copy_from_slice(&from.as_slice()[first * n..(first + count) * n]);
-            }
-            visit(&StackPart { first, count, joints: n, numbers: &numbers });
-        }
-    }
-
-    /// Sample by sample, for terms that depend on the torque that all links take.
-    fn stack_under_load(&self, states: &States, columns: &[usize], block: usize, w: &mut DMatrix<f64>) {
-        let (n, p) = (self.rows(), self.cols());
-        w.fill(0.0);
-        let mut rows = vec![0.0; n * p];
-        for m in 0..states.len() / block {
-            for k in m * block..(m + 1) * block {
-                self.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut rows);
-                for (c, &column) in columns.iter().enumerate() {
-                    for i in 0..n {
-                        w[(m * n + i, c)] += rows[i * p + column];
-                    }
-                }
-            }
-        }
-        if block > 1 {
-            *w *= 1.0 / block as f64;
-        }
+        self.stack_by(
+            &mut Cells::in_rows(self, columns),
+            states.arrays(),
+            block,
+            #[inline(always)]
+            |cells, first, count| {
+                cells.write(&mut numbers, TOGETHER * n, 0, count);
+                visit(&StackPart { first, count, joints: n, numbers: &numbers });
+            },
+        );
     }
 }
 
