@@ -66,6 +66,7 @@ ROWS = [
         "0.39 to 0.42", 0.30),
     Row("RK4 step in lanes, friction, per run", "ns", of("lane"), "MuJoCo's RK4 step, no friction", of("rk4"), "0.086", 0.05),
     Row("the same, no friction", "ns", of("lane smooth"), "MuJoCo's RK4 step, no friction", of("rk4"), "", 0.05),
+    Row("RK4 step in lanes, all joints at rest, per run", "ns", of("lane rest"), "the same in motion", of("lane"), "4 to 6", 1.3),
     Row("an experiment, per step of 1 ms", "µs", of("experiment"), before="2.13"),
     Row("the same, 16 runs together", "µs", of("experiment 16"), before="0.81"),
     Row("10,000 samples to OLS and WLS with intervals", "ms", of("identify"), "NumPy + Pinocchio", of("numpy"), "2.4", 0.10),

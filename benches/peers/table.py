@@ -119,7 +119,7 @@ def simulation(programs, quiet, turns):
     found = {name: mujoco.least(f"(?m)^{line}{NS}") for name, line in {
         "euler": "MuJoCo's Euler step, no friction", "rk4": "MuJoCo's RK4 step, no friction", "forward": "analytic forward dynamics",
         "servo": "servo: controller, sensors, phases", "lane": "analytic plant, 8 runs in lanes",
-        "lane smooth": "analytic plant, 8 runs in lanes, no friction", "own rk4": "analytic plant's RK4 step, no friction"}.items()}
+        "lane smooth": "analytic plant, 8 runs in lanes, no friction", "lane rest": "analytic plant, 8 runs in lanes, at rest", "own rk4": "analytic plant's RK4 step, no friction"}.items()}
     found["experiment"] = step.least(r"period 10 s: .*?([0-9.]+) µs per servo step")
     found["experiment 16"] = step.least(r"period 10 s, 16 runs together: .*?([0-9.]+) µs per servo step")
     return found

@@ -6,12 +6,8 @@ use super::body::BodyRegressor;
 use super::joint_torque::JointTorqueRegressor;
 use crate::dynamics::{TOGETHER, Together};
 use crate::lanes::Wide;
+use crate::linalg::column_products::Line;
 use crate::spatial::LaneMotion;
-
-/// A number of each block, in a cache line of its own, so that no access touches two.
-#[derive(Clone, Copy)]
-#[repr(align(64))]
-pub(super) struct Line(pub(super) [f64; TOGETHER]);
 
 /// Sums of the blocks that are worked on, one place for each joint and wanted column.
 pub(super) struct Cells<'a> {
@@ -64,7 +60,7 @@ impl<'a> Cells<'a> {
             let cell = |joint: usize, place: usize| Cell { place, joint, index: joint * wanted + place };
             touched.extend(places.flat_map(|&place| (0..=k).map(move |joint| cell(joint, place))));
         }
-        let (sums, of_terms) = (vec![Line([0.0; TOGETHER]); n * wanted], vec![false; n * wanted]);
+        let (sums, of_terms) = (vec![Line::ZERO; n * wanted], vec![false; n * wanted]);
         Self { regressor, links, terms, wanted, sums, touched, sorted: 0, of_terms }
     }
 
@@ -111,7 +107,7 @@ impl<'a> Cells<'a> {
         }
         if FIRST {
             for cell in touched.iter().filter(|cell| of_terms[cell.index]) {
-                sums[cell.index] = Line([0.0; TOGETHER]);
+                sums[cell.index] = Line::ZERO;
             }
         }
         let flat = [&state.q, &state.qd, &state.qdd].map(|x| x.as_flattened());

@@ -7,12 +7,12 @@
 //! products are never made. Each entry is summed in eight running sums, sample k in sum k mod 8, the same bits on any processor.
 
 use nalgebra::{DMatrix, DVector};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 
-use super::cells::Line;
 use super::joint_torque::JointTorqueRegressor;
 use crate::dynamics::{States, TOGETHER};
 use crate::linalg::Gram;
+use crate::linalg::column_products::{Line, Products};
 
 /// Lines of eight samples that are held of each joint and column: those of one joint fit into the first cache.
 const DEPTH: usize = 8;
@@ -81,9 +81,9 @@ struct Panels {
 
 impl Panels {
     fn new(joints: usize, columns: usize) -> Self {
-        let (width, zero) = (columns + 1, Line([0.0; TOGETHER]));
-        let held = vec![zero; joints * width * DEPTH];
-        Self { joints, width, held, count: 0, seen: vec![false; joints * width], sums: vec![zero; width * width] }
+        let width = columns + 1;
+        let (held, sums) = (vec![Line::ZERO; joints * width * DEPTH], vec![Line::ZERO; width * width]);
+        Self { joints, width, held, count: 0, seen: vec![false; joints * width], sums }
     }
 
     /// Eight samples of one column of one joint.
@@ -107,87 +107,19 @@ impl Panels {
             let own = joint * self.width..(joint + 1) * self.width;
             let columns: Vec<usize> = (0..self.width).filter(|column| self.seen[own.start + column]).collect();
             let held = &self.held[own.start * DEPTH..own.end * DEPTH];
-            Arch::new().dispatch(Products { columns: &columns, held, width: self.width, sums: &mut self.sums });
+            let products = Products::<DEPTH> { columns: &columns, held, width: self.width, sums: &mut self.sums };
+            Arch::new().dispatch(products);
         }
-        self.held.fill(Line([0.0; TOGETHER]));
+        self.held.fill(Line::ZERO);
         self.count = 0;
     }
 
     fn finish(mut self, rows: usize) -> Gram {
         self.sum();
         let b = self.width - 1;
-        let entry = |i: usize, j: usize| {
-            let s = &self.sums[i * self.width + j].0;
-            ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]))
-        };
+        let entry = |i: usize, j: usize| self.sums[i * self.width + j].sum();
         let upper = DMatrix::from_fn(b, b, |i, j| if i <= j { entry(i, j) } else { 0.0 });
         Gram::from_sums(upper, DVector::from_fn(b, |i, _| entry(i, b)), entry(b, b), rows)
-    }
-}
-
-/// Products of the columns of one joint with each other, added to the sums.
-struct Products<'a> {
-    /// Columns that are not zero, ascending.
-    columns: &'a [usize],
-    held: &'a [Line],
-    width: usize,
-    sums: &'a mut [Line],
-}
-
-impl WithSimd for Products<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        let columns = self.columns;
-        let (pairs, last) = columns.as_chunks::<2>();
-        for (at, pair) in pairs.iter().enumerate() {
-            self.column_pairs(simd, &columns[..2 * at + 2], pair);
-        }
-        for &column in last {
-            self.column_pairs(simd, columns, &[column]);
-        }
-    }
-}
-
-impl Products<'_> {
-    /// Products of these columns with all of `rows`.
-    #[inline(always)]
-    fn column_pairs<S: Simd, const J: usize>(&mut self, simd: S, rows: &[usize], columns: &[usize; J]) {
-        let (fours, rest) = rows.as_chunks::<4>();
-        for rows in fours {
-            self.tile(simd, rows, columns);
-        }
-        for &row in rest {
-            self.tile(simd, &[row], columns);
-        }
-    }
-
-    #[inline(always)]
-    fn tile<S: Simd, const I: usize, const J: usize>(&mut self, simd: S, rows: &[usize; I], columns: &[usize; J]) {
-        let of = |column: usize| self.held[column * DEPTH..].first_chunk::<DEPTH>().expect("a panel has this depth");
-        let (a, b) = (rows.map(of), columns.map(of));
-        for v in 0..TOGETHER / S::F64_LANES {
-            let mut sums = [[simd.splat_f64s(0.0); J]; I];
-            for line in 0..DEPTH {
-                let mut right = [simd.splat_f64s(0.0); J];
-                for y in 0..J {
-                    right[y] = S::as_simd_f64s(&b[y][line].0).0[v];
-                }
-                for x in 0..I {
-                    let left = S::as_simd_f64s(&a[x][line].0).0[v];
-                    for y in 0..J {
-                        sums[x][y] = simd.add_f64s(sums[x][y], simd.mul_f64s(left, right[y]));
-                    }
-                }
-            }
-            for x in 0..I {
-                for y in 0..J {
-                    let to = &mut S::as_mut_simd_f64s(&mut self.sums[rows[x] * self.width + columns[y]].0).0[v];
-                    *to = simd.add_f64s(*to, sums[x][y]);
-                }
-            }
-        }
     }
 }
 
