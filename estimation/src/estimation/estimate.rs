@@ -114,7 +114,7 @@ pub struct Estimate {
     /// The same with columns of unit length.
     #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub condition_scaled: f64,
-    /// What the equations of the recording were made few with.
+    /// The method that condensed the equations of a long recording.
     #[serde(default)]
     pub factorised_by: FactorisedBy,
     /// The source of the noise behind the intervals.

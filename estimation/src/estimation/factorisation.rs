@@ -159,7 +159,8 @@ impl<'a> Factorisation<'a> {
         // Of ordinary least squares no deviation is below the quietest joint's.
         let (mut weighted, mut all, mut least, mut of_residual) = (0.0, 0.0, f64::INFINITY, 0.0);
         for i in (0..n).filter(|&i| self.groups.iter().any(|group| group.used[i])) {
-            let (variance, squares) = (covariance[(i, i)], self.summed_length(i, ordinary.solution()).powi(2));
+            let (variance, length) = (covariance[(i, i)], self.summed_length(i, ordinary.solution()));
+            let squares = length * length;
             if variance <= 0.0 {
                 return None;
             }
