@@ -144,7 +144,8 @@ impl<'a> Factorisation<'a> {
             .zip(&entries)
             .map(|((used, _), entries)| Some(SampleGroup { used: used.clone(), rows: entries.rows_by_products()? }));
         let found = Self::of(observation, groups.collect::<Option<_>>()?, FactorisedBy::NormalEquations);
-        let errors = |entries: &Entries<'_>| ColumnProducts::rounding_errors(entries.samples.len(), entries.places.len());
+        let errors =
+            |entries: &Entries<'_>| ColumnProducts::rounding_errors(entries.samples.len(), entries.places.len());
         let errors = entries.iter().map(errors).fold(0.0, f64::max);
         (found.harm(errors)? <= HARMLESS).then_some(found)
     }
@@ -179,10 +180,13 @@ impl<'a> Factorisation<'a> {
     fn summed_length(&self, i: usize, beta: &DVector<f64>) -> f64 {
         let n = self.observation.dof;
         let squares = |j: usize| {
-            let of_group = |group: &SampleGroup| group.rows.column(j).iter().skip(i).step_by(n).map(|x| x * x).sum::<f64>();
+            let of_group =
+                |group: &SampleGroup| group.rows.column(j).iter().skip(i).step_by(n).map(|x| x * x).sum::<f64>();
             self.groups.iter().filter(|group| group.used[i]).map(of_group).sum::<f64>()
         };
-        beta.iter().enumerate().fold(squares(beta.len()).sqrt(), |sum, (j, value)| sum + value.abs() * squares(j).sqrt())
+        beta.iter()
+            .enumerate()
+            .fold(squares(beta.len()).sqrt(), |sum, (j, value)| sum + value.abs() * squares(j).sqrt())
     }
 
     /// The method that condensed the equations.

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use pulp::Arch;
 
 use super::joint_torque::JointTorqueRegressor;
-use crate::dynamics::{States, TOGETHER};
+use crate::dynamics::States;
 use crate::linalg::Gram;
 use crate::linalg::column_products::{Line, Products};
 
