@@ -9,6 +9,8 @@
 //!
 //! Reference: N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed., SIAM 2002, sec. 10.3 and 20.4.
 
+use std::ops::Range;
+
 use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -19,7 +21,7 @@ const DEPTH: usize = 16;
 /// Sums of squares below this have lost digits to the smallest number.
 const LEAST_SQUARE: f64 = 1e-290;
 
-/// A number of each of eight rows, in a cache line of its own, so that no access touches two.
+/// A number of each of eight rows or blocks of samples, in a cache line of its own, so that no access touches two.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(crate) struct Line(pub(crate) [f64; SUMS]);
@@ -133,61 +135,83 @@ impl ColumnProducts {
 
     fn absorb(&mut self) {
         let Self { columns, ref mut held, ref mut sums, arch, .. } = *self;
-        let all: Vec<usize> = (0..columns).collect();
+        let runs: Vec<Run> = (0..columns).map(|place| Run { place, lines: 0..DEPTH }).collect();
         // Rows that are not there are zero.
-        arch.dispatch(Products::<DEPTH> { columns: &all, held, width: columns, sums });
+        arch.dispatch(Products { runs: &runs, held, stride: DEPTH, width: columns, sums });
         held.fill(Line::ZERO);
         self.waiting = 0;
     }
 }
 
-/// Products of some columns with each other, added to the sums; DEPTH lines of each column are held.
-pub(crate) struct Products<'a, const DEPTH: usize> {
-    /// Which columns, ascending.
-    pub(crate) columns: &'a [usize],
-    /// `column · DEPTH + line`.
+/// What a column holds.
+pub(crate) struct Run {
+    pub(crate) place: usize,
+    /// From the first to the last line that is not zero.
+    pub(crate) lines: Range<usize>,
+}
+
+/// Products of all columns with each other, added to the sums.
+pub(crate) struct Products<'a> {
+    /// Columns that are not zero, ascending.
+    pub(crate) runs: &'a [Run],
+    /// `place · stride + line`.
     pub(crate) held: &'a [Line],
+    pub(crate) stride: usize,
     pub(crate) width: usize,
     /// `row · width + column`, upper triangle.
     pub(crate) sums: &'a mut [Line],
 }
 
-impl<const DEPTH: usize> WithSimd for Products<'_, DEPTH> {
+impl WithSimd for Products<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        let columns = self.columns;
-        let (pairs, last) = columns.as_chunks::<2>();
-        for (at, pair) in pairs.iter().enumerate() {
-            self.column_pairs(simd, &columns[..2 * at + 2], pair);
-        }
-        for &column in last {
-            self.column_pairs(simd, columns, &[column]);
-        }
+    fn with_simd<S: Simd>(self, simd: S) {
+        // As many sums as there are registers for.
+        if S::REGISTER_COUNT < 32 { self.all::<S, 2>(simd) } else { self.all::<S, 4>(simd) }
     }
 }
 
-impl<const DEPTH: usize> Products<'_, DEPTH> {
+impl Products<'_> {
+    /// J columns after the other.
+    #[inline(always)]
+    fn all<S: Simd, const J: usize>(mut self, simd: S) {
+        let (groups, rest) = self.runs.as_chunks::<J>();
+        for (at, columns) in groups.iter().enumerate() {
+            self.columns(simd, &self.runs[..J * (at + 1)], columns);
+        }
+        for (at, column) in (J * groups.len()..).zip(rest) {
+            self.columns(simd, &self.runs[..=at], std::array::from_ref(column));
+        }
+    }
+
     /// Products of these columns with all of `rows`.
     #[inline(always)]
-    fn column_pairs<S: Simd, const J: usize>(&mut self, simd: S, rows: &[usize], columns: &[usize; J]) {
+    fn columns<S: Simd, const J: usize>(&mut self, simd: S, rows: &[Run], columns: &[Run; J]) {
         let (fours, rest) = rows.as_chunks::<4>();
         for rows in fours {
             self.tile(simd, rows, columns);
         }
-        for &row in rest {
-            self.tile(simd, &[row], columns);
+        for row in rest {
+            self.tile(simd, std::array::from_ref(row), columns);
         }
     }
 
     #[inline(always)]
-    fn tile<S: Simd, const I: usize, const J: usize>(&mut self, simd: S, rows: &[usize; I], columns: &[usize; J]) {
-        let of = |column: usize| self.held[column * DEPTH..].first_chunk::<DEPTH>().expect("a panel has this depth");
-        let (a, b) = (rows.map(of), columns.map(of));
+    fn tile<S: Simd, const I: usize, const J: usize>(&mut self, simd: S, rows: &[Run; I], columns: &[Run; J]) {
+        // Lines that are not zero in a row and in a column.
+        let first = |runs: &[Run]| runs.iter().map(|run| run.lines.start).min().unwrap_or(0);
+        let end = |runs: &[Run]| runs.iter().map(|run| run.lines.end).max().unwrap_or(0);
+        let lines = first(rows).max(first(columns))..end(rows).min(end(columns));
+        if lines.is_empty() {
+            return;
+        }
+        let of = |run: &Run| &self.held[run.place * self.stride..][lines.clone()];
+        let a: [_; I] = std::array::from_fn(|x| of(&rows[x]));
+        let b: [_; J] = std::array::from_fn(|y| of(&columns[y]));
         for v in 0..SUMS / S::F64_LANES {
             let mut sums = [[simd.splat_f64s(0.0); J]; I];
-            for line in 0..DEPTH {
+            for line in 0..lines.len() {
                 let mut right = [simd.splat_f64s(0.0); J];
                 for y in 0..J {
                     right[y] = S::as_simd_f64s(&b[y][line].0).0[v];
@@ -201,7 +225,8 @@ impl<const DEPTH: usize> Products<'_, DEPTH> {
             }
             for x in 0..I {
                 for y in 0..J {
-                    let to = &mut S::as_mut_simd_f64s(&mut self.sums[rows[x] * self.width + columns[y]].0).0[v];
+                    let sum = &mut self.sums[rows[x].place * self.width + columns[y].place].0;
+                    let to = &mut S::as_mut_simd_f64s(sum).0[v];
                     *to = simd.add_f64s(*to, sums[x][y]);
                 }
             }
@@ -263,6 +288,21 @@ mod tests {
         let mut narrow = ColumnProducts { arch: Arch::Scalar, ..ColumnProducts::new(21) };
         narrow.add(300, |row, column| w[(row, column)]);
         assert_eq!(narrow.root(), whole.root());
+    }
+
+    #[test]
+    fn identity_the_width_of_the_processor_changes_no_bit_of_columns_that_begin_and_end_apart() {
+        let line = |k: usize| Line(std::array::from_fn(|lane| libm::sin((k * k + lane) as f64)));
+        let held: Vec<Line> = (0..38 * 32).map(line).collect();
+        let runs: Vec<Run> = (0..38).map(|place| Run { place, lines: place % 3..(place % 4 + 1) * 8 }).collect();
+        let [mut wide, mut narrow] = [0, 1].map(|_| vec![Line::ZERO; 38 * 38]);
+        Arch::new().dispatch(Products { runs: &runs, held: &held, stride: 32, width: 38, sums: &mut wide });
+        Arch::Scalar.dispatch(Products { runs: &runs, held: &held, stride: 32, width: 38, sums: &mut narrow });
+        for row in 0..38 {
+            for at in 38 * row + row..38 * (row + 1) {
+                assert_eq!(wide[at].0, narrow[at].0, "row {row}");
+            }
+        }
     }
 
     #[test]
