@@ -61,9 +61,7 @@ impl ChainRecipe {
             base,
             joints,
             coupling,
-            shapes: Vec::new(),
-            obstacles: Vec::new(),
-            may_touch: Vec::new(),
+            ..RobotSpec::default()
         })
         .expect("a drawn chain is valid by construction");
         let mut parameters = StandardParameters::zero(self.dof);
@@ -187,10 +185,7 @@ pub fn planar_2r() -> Robot {
         gravity: Vector3::new(0.0, 0.0, -9.81),
         base: Placement::rotation_x(1.0, 0.0),
         joints: vec![joint("shoulder", 0.4), joint("elbow", 0.3)],
-        coupling: None,
-        shapes: Vec::new(),
-        obstacles: Vec::new(),
-        may_touch: Vec::new(),
+        ..RobotSpec::default()
     })
     .expect("two distinct joints with positive limits")
 }

@@ -11,7 +11,7 @@ use super::shared_start::SharedStart;
 use super::variance_reduction::VarianceReduction;
 use crate::excitation::{
     Certificate, Criterion, CriterionKind, Design, DesignBudget, DesignLimits, DesignProblem, DesignSpace,
-    ExcitationError, HistoryPoint, Termination, design, random_design,
+    ExcitationError, ExpectedEffects, HistoryPoint, Termination, design, random_design,
 };
 use crate::observer::{Observer, Unobserved};
 use crate::trajectory::{Family, PeriodicTrajectory};
@@ -186,12 +186,12 @@ impl StudySetup {
         }
         problem.set_space(space)?;
         if let Some(most) = plan.rms_speed {
-            problem.set_limits(problem.limits().clone().with_rms_speed(most)?)?;
+            problem.set_limits(DesignLimits { rms_speed: Some(most), ..problem.limits().clone() })?;
         }
         if expects_effects {
             let expected = expected.expected(&self.robot, &self.nominal);
             let expected = expected.map_err(|fault| plan_error::expected(&fault))?;
-            problem.set_expected(if is_measured { expected.carried() } else { expected })?;
+            problem.set_expected(ExpectedEffects { are_carried: is_measured, ..expected })?;
         }
         if let Some(prior) = self.collected(before)? {
             problem.set_prior(prior)?;
@@ -207,13 +207,13 @@ impl StudySetup {
         evaluations: usize,
     ) -> Result<DesignProblem, ExcitationError> {
         let sigma = (0..self.robot.dof()).map(|j| self.noise[(j, j)].sqrt()).collect();
-        let limits = DesignLimits::of_motion().with_efforts(self.nominal.clone());
+        let limits = DesignLimits { nominal: Some(self.nominal.clone()), ..DesignLimits::of_motion() };
         let mut problem = DesignProblem::new(self.robot.clone(), self.regressor.columns(), criterion, limits)?;
         let experiment = &self.plan.experiment;
         let harmonics = vec![experiment.harmonics; self.robot.dof()];
         problem.set_space(DesignSpace::new(Family::Fourier, experiment.period_s, harmonics)?)?;
         problem.set_noise(sigma)?;
-        problem.set_budget(DesignBudget::new(evaluations)?);
+        problem.set_budget(DesignBudget { evaluations, ..DesignBudget::default() })?;
         problem.set_reference_units(self.plan.reference.clone());
         problem.set_rows(self.robot.dof() as f64 * self.raw_samples() * experiment.periods as f64)?;
         Ok(problem)

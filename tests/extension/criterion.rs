@@ -60,7 +60,9 @@ fn a_criterion_from_outside_makes_a_design_that_is_best_by_it() {
     let designed = |criterion: Arc<dyn Criterion>| {
         let mut problem =
             DesignProblem::new(planar_2r(), Columns::RIGID, criterion, DesignLimits::of_motion()).unwrap();
-        problem.set_budget(DesignBudget::new(200).unwrap().with_certificate_samples(500).unwrap());
+        problem
+            .set_budget(DesignBudget { evaluations: 200, certificate_samples: 500, ..DesignBudget::default() })
+            .unwrap();
         let designs: Vec<_> = (0..3).map(|start| design(&problem, Seed::new(3), start).unwrap()).collect();
         let best = best_of(&designs).expect("a design inside the limits").clone();
         let m = problem.information(&best.trajectory).unwrap();

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::error::{ExcitationError, same_length};
+use super::error::{ExcitationError, at_least_one, same_length};
 use super::problem::DesignSpace;
 use crate::model::{Limits, Robot};
 use crate::trajectory::{
@@ -87,9 +87,7 @@ impl MotionBasis {
             });
             next += count;
         }
-        if next == 0 {
-            return Err(ExcitationError::TooFew { quantity: "joints that move", found: 0, least: 1 });
-        }
+        at_least_one("joints that move", next)?;
         Ok(Self { family, period_s, shapes, joints })
     }
 

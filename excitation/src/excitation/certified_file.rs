@@ -60,9 +60,9 @@ mod tests {
         let mut problem =
             DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::Condition, DesignLimits::of_motion())
                 .unwrap();
-        let limits = DesignLimits::of_motion().with_efforts(chains::crs_a460_nominal());
-        problem.set_limits(limits.with_ramps(2.0).unwrap()).unwrap();
-        problem.set_budget(DesignBudget::default().with_certificate_samples(500).unwrap());
+        let nominal = Some(chains::crs_a460_nominal());
+        problem.set_limits(DesignLimits { nominal, ramp_s: Some(2.0), ..DesignLimits::of_motion() }).unwrap();
+        problem.set_budget(DesignBudget { certificate_samples: 500, ..DesignBudget::default() }).unwrap();
         let mut series = table_one::corrected();
         for (moved, joint) in series.joints.iter_mut().zip(problem.robot().joints()) {
             moved.name.clone_from(&joint.name);
@@ -133,7 +133,7 @@ mod tests {
         assert!(matches!(fault, VerificationError::Stale { limit: LimitKind::Torque, .. }), "{fault}");
         // So is one that was made for lighter links.
         let heavier = |factor: f64| {
-            let mut nominal = problem.limits().nominal().unwrap().clone();
+            let mut nominal = problem.limits().nominal.as_ref().unwrap().clone();
             for link in &mut nominal.links {
                 *link = Inertia::from_array(&link.to_array().map(|x| factor * x));
             }

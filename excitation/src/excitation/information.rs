@@ -58,11 +58,6 @@ impl Information {
         Self { regressor, kept: kept.to_vec(), joints, samples, prior }
     }
 
-    /// Number of base columns b.
-    pub fn columns(&self) -> usize {
-        self.kept.len()
-    }
-
     /// The information matrix of sampled states, b × b, per torque row.
     ///
     /// # Panics
@@ -133,14 +128,9 @@ impl Information {
         u
     }
 
-    /// The gradient with respect to the last states, which must be handed in again, from `S = ∂f/∂M` (b × b,
-    /// symmetric).
-    pub fn pull_back(&self, states: &States, s: &DMatrix<f64>, sensitivity: &mut States) {
-        self.pull_back_with(states, s, None, sensitivity);
-    }
-
-    /// The gradient if f depends on moments too: `(d, S_c)`. What it depends on through d itself is not in it.
-    pub fn pull_back_with(
+    /// The gradient with respect to the last states, which must be handed in again, from `S = ∂f/∂M` (b × b, symmetric), and
+    /// from `(d, S_c)` if f depends on moments too. What it depends on through d itself is not in it.
+    pub fn pull_back(
         &self,
         states: &States,
         s: &DMatrix<f64>,

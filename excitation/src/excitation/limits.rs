@@ -7,7 +7,7 @@
 
 use super::margins::Margins;
 use crate::model::{Limits, Robot};
-use crate::trajectory::{PeriodicTrajectory, Quantity};
+use crate::trajectory::{Curve, PeriodicTrajectory, Quantity};
 
 /// The worst use of one kind of limit over all joints and all times.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -31,6 +31,11 @@ impl WorstUse {
 
     pub(crate) fn worst_of(self, other: Self) -> Self {
         if other.ratio > self.ratio { other } else { self }
+    }
+
+    /// The worse of two; `None` where there is neither.
+    pub(crate) fn worst_of_both(one: Option<Self>, other: Option<Self>) -> Option<Self> {
+        one.into_iter().chain(other).reduce(Self::worst_of)
     }
 }
 
@@ -80,7 +85,7 @@ pub(crate) fn worst_jerk(robot: &Robot, trajectory: &PeriodicTrajectory) -> Opti
             let (ratio, t) = (extremum.value.abs() / limit, extremum.phase / trajectory.omega());
             let limit = limit.copysign(extremum.value);
             let here = WorstUse { ratio, joint: j, t, value: extremum.value, limit };
-            worst = Some(worst.map_or(here, |known| known.worst_of(here)));
+            worst = WorstUse::worst_of_both(worst, Some(here));
         }
     }
     worst
@@ -97,6 +102,14 @@ pub(crate) fn permitted(limits: &Limits, quantity: Quantity, part: f64) -> (f64,
     }
 }
 
+/// Part of an interval that a curve needs if its mean may move: of a position its span, else its peak.
+pub(crate) fn room_used(curve: &Curve, quantity: Quantity, (low, high): (f64, f64)) -> f64 {
+    match quantity {
+        Quantity::Position => (curve.maximum().value - curve.minimum().value) / (high - low),
+        Quantity::Velocity | Quantity::Acceleration => curve.peak() / high,
+    }
+}
+
 /// Brings every joint inside the given parts of its limits with the least change of shape: the amplitudes of a joint
 /// shrink by one factor, then its mean moves into what its range leaves.
 ///
@@ -105,20 +118,14 @@ pub(crate) fn shrink_into_limits(robot: &Robot, trajectory: &mut PeriodicTraject
     for (j, joint) in robot.joints().iter().enumerate() {
         let mut factor = 1.0_f64;
         for quantity in Quantity::ALL {
-            let curve = trajectory.curve(j, quantity);
-            let (low, high) = permitted(&joint.limits, quantity, margins.of(quantity));
-            let (bottom, top) = (curve.minimum().value, curve.maximum().value);
-            let peak = match quantity {
-                Quantity::Position => (top - bottom) / (high - low),
-                _ => top.max(-bottom) / high,
-            };
+            let permitted = permitted(&joint.limits, quantity, margins.of(quantity));
+            let peak = room_used(&trajectory.curve(j, quantity), quantity, permitted);
             if peak > 1.0 {
                 factor = factor.min(1.0 / peak);
             }
         }
         if joint.limits.jerk.is_finite() {
-            let curve = trajectory.derivative(j, 3);
-            let peak = curve.maximum().value.max(-curve.minimum().value) / (margins.acceleration * joint.limits.jerk);
+            let peak = trajectory.derivative(j, 3).peak() / (margins.acceleration * joint.limits.jerk);
             if peak > 1.0 {
                 factor = factor.min(1.0 / peak);
             }
@@ -129,12 +136,11 @@ pub(crate) fn shrink_into_limits(robot: &Robot, trajectory: &mut PeriodicTraject
         let position = trajectory.curve(j, Quantity::Position);
         let (low, high) = permitted(&joint.limits, Quantity::Position, margins.position);
         let (under, over) = (low - position.minimum().value, position.maximum().value - high);
-        if under > 0.0 && over > 0.0 {
-            trajectory.adjust(j, 1.0, 0.5 * (under - over));
-        } else if under > 0.0 {
-            trajectory.adjust(j, 1.0, under);
-        } else if over > 0.0 {
-            trajectory.adjust(j, 1.0, -over);
+        match (under > 0.0, over > 0.0) {
+            (true, true) => trajectory.adjust(j, 1.0, 0.5 * (under - over)),
+            (true, false) => trajectory.adjust(j, 1.0, under),
+            (false, true) => trajectory.adjust(j, 1.0, -over),
+            (false, false) => {}
         }
     }
 }

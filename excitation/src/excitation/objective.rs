@@ -17,7 +17,6 @@ use super::sampled::SampledBasis;
 use crate::dynamics::States;
 use crate::model::Robot;
 use crate::optimiser::Objective;
-use crate::regressor::JointTorqueRegressor;
 use crate::trajectory::PeriodicTrajectory;
 
 /// A criterion of the information as a function of the variables.
@@ -43,50 +42,6 @@ struct Discrepancies {
     sensitivity: DMatrix<f64>,
 }
 
-impl InformationObjective {
-    /// This criterion on this information of this family of trajectories.
-    pub fn new(information: Information, sampled: SampledBasis, criterion: Arc<dyn Criterion>) -> Self {
-        let b = information.columns();
-        let (n, samples) = (sampled.basis().dof(), sampled.samples());
-        Self {
-            information,
-            sampled,
-            states: States::with_len(n, samples),
-            slopes: States::with_len(n, samples),
-            criterion,
-            sensitivity: DMatrix::zeros(b, b),
-            m: DMatrix::zeros(b, b),
-            exact: f64::INFINITY,
-            effects: None,
-        }
-    }
-
-    /// Returns this objective where these effects are expected, on as many samples.
-    #[must_use]
-    pub fn with_effects(mut self, torques: EffectTorques) -> Self {
-        let none = DMatrix::zeros(0, 0);
-        self.effects = Some(Discrepancies { torques, d: none.clone(), moments: none.clone(), sensitivity: none });
-        self
-    }
-
-    /// Another criterion on the same information.
-    pub fn change(&mut self, criterion: Arc<dyn Criterion>) {
-        self.criterion = criterion;
-    }
-
-    /// The information matrix of the last point.
-    pub const fn matrix(&self) -> &DMatrix<f64> {
-        &self.m
-    }
-}
-
-impl InformationObjective {
-    /// The criterion at the last point, without any smoothing.
-    pub const fn exact(&self) -> f64 {
-        self.exact
-    }
-}
-
 impl Objective for InformationObjective {
     fn value(&mut self, x: &[f64]) -> f64 {
         self.gather(x);
@@ -103,7 +58,7 @@ impl Objective for InformationObjective {
 
     fn gradient(&mut self, gradient: &mut [f64]) {
         let moments = self.effects.as_ref().map(|effects| (&effects.d, &effects.sensitivity));
-        self.information.pull_back_with(&self.states, &self.sensitivity, moments, &mut self.slopes);
+        self.information.pull_back(&self.states, &self.sensitivity, moments, &mut self.slopes);
         if let Some(effects) = &self.effects {
             let by_d = self.information.pull_back_moments(&effects.sensitivity);
             effects.torques.pull_back(&self.states, &by_d, &mut self.slopes);
@@ -117,11 +72,6 @@ impl Objective for InformationObjective {
 /// A sample that crosses a reversal flips a sharp sign, and the criterion would jump with every sample. The
 /// certificate always uses the drive's own law.
 const COULOMB_PART: f64 = 0.05;
-
-/// The regressor that the optimiser sees.
-fn smoothed_regressor(problem: &DesignProblem) -> Result<JointTorqueRegressor, ExcitationError> {
-    problem.regressor(&smoothed_robot(problem)?)
-}
 
 /// The robot that the optimiser sees.
 fn smoothed_robot(problem: &DesignProblem) -> Result<Robot, ExcitationError> {
@@ -146,7 +96,8 @@ impl DesignProblem {
         }
         let noise = self.objective().noise().map_or_else(|| vec![1.0; n], <[f64]>::to_vec);
         let samples = self.samples();
-        let mut information = Information::new(smoothed_regressor(self)?, &self.base().kept, samples, &noise, None);
+        let regressor = self.regressor(&smoothed_robot(self)?)?;
+        let mut information = Information::new(regressor, &self.base().kept, samples, &noise, None);
         Ok(information.gather(&trajectory.sample(samples)))
     }
 
@@ -170,20 +121,44 @@ impl DesignProblem {
 }
 
 impl InformationObjective {
+    /// The criterion at the last point, without any smoothing.
+    pub const fn exact(&self) -> f64 {
+        self.exact
+    }
+
+    /// Another criterion on the same information.
+    pub(crate) fn change(&mut self, criterion: Arc<dyn Criterion>) {
+        self.criterion = criterion;
+    }
+
     /// The objective of a problem, with its criterion smoothed to `sharpness` where it has kinks.
     pub(crate) fn of(problem: &DesignProblem, sharpness: f64) -> Result<Self, ExcitationError> {
-        let regressor = smoothed_regressor(problem)?;
-        let sampled = SampledBasis::new(problem.basis().clone(), problem.samples());
-        let objective = problem.objective();
-        let criterion = objective.criterion();
+        let (n, samples, objective) = (problem.robot().dof(), problem.samples(), problem.objective());
+        let (robot, criterion, base) = (smoothed_robot(problem)?, objective.criterion(), objective.base());
         let prior = objective.prior().filter(|_| criterion.is_weighted()).cloned();
-        let noise = objective.row_noise(problem.robot().dof());
-        let information = Information::new(regressor, &objective.base().kept, problem.samples(), &noise, prior);
-        let made = Self::new(information, sampled, objective.smoothed(sharpness));
-        let Some(expected) = objective.expected().filter(|_| criterion.expects_effects()) else { return Ok(made) };
-        let robot = smoothed_robot(problem)?;
-        let period_s = problem.space().period_s();
-        Ok(made.with_effects(EffectTorques::new(&robot, expected, problem.samples(), period_s)))
+        let discrepancies = |expected| Discrepancies {
+            torques: EffectTorques::new(&robot, expected, samples, problem.space().period_s()),
+            d: DMatrix::zeros(0, 0),
+            moments: DMatrix::zeros(0, 0),
+            sensitivity: DMatrix::zeros(0, 0),
+        };
+        Ok(Self {
+            information: Information::new(
+                problem.regressor(&robot)?,
+                &base.kept,
+                samples,
+                &objective.row_noise(n),
+                prior,
+            ),
+            sampled: SampledBasis::new(problem.basis().clone(), samples),
+            states: States::with_len(n, samples),
+            slopes: States::with_len(n, samples),
+            criterion: objective.smoothed(sharpness),
+            sensitivity: DMatrix::zeros(base.rank(), base.rank()),
+            m: DMatrix::zeros(base.rank(), base.rank()),
+            exact: f64::INFINITY,
+            effects: objective.expected().filter(|_| criterion.expects_effects()).map(discrepancies),
+        })
     }
 
     /// The information at `x`, and the moments of what effects add to its torque.
@@ -205,13 +180,6 @@ impl InformationObjective {
             None => self.criterion.evaluate(&self.m, None),
             Some(effects) => self.criterion.evaluate_with_effects(&self.m, &effects.moments, None),
         }
-    }
-
-    /// The value at `x`, without what a gradient needs.
-    #[cfg(test)]
-    fn value_alone(&mut self, x: &[f64]) -> f64 {
-        self.gather(x);
-        self.score().value
     }
 
     /// The criterion at `x`, without any smoothing and without a gradient.
@@ -262,7 +230,7 @@ mod tests {
             EffectLaw::Scaled(0.03),
         ];
         let effects = laws.map(|law| ExpectedEffect { name: "effect".to_owned(), law });
-        ExpectedEffects::new(chains::crs_a460_nominal(), effects.into()).unwrap()
+        ExpectedEffects { nominal: chains::crs_a460_nominal(), effects: effects.into(), are_carried: false }
     }
 
     #[test]
@@ -289,7 +257,8 @@ mod tests {
                     let at = |h: f64, objective: &mut InformationObjective| {
                         let mut moved = x.clone();
                         moved[i] += h;
-                        objective.value_alone(&moved)
+                        objective.gather(&moved);
+                        objective.score().value
                     };
                     // Sixth-order differences; a short step leaves the rounding of small eigenvalues, a long one truncation.
                     let error = [2e-4, 5e-4, 1e-3, 2e-3].map(|h| {

@@ -179,7 +179,7 @@ pub(crate) fn use_on_ramps(
                     let (part, found) = refine(|part| sign * value(part), part, 1.0 / count as f64);
                     let t = timeline.time_s(segment, part);
                     let here = WorstUse { ratio: found / limit, joint, t, value: sign * found, limit: sign * limit };
-                    *worst = Some(worst.map_or(here, |known| known.worst_of(here)));
+                    *worst = WorstUse::worst_of_both(*worst, Some(here));
                 }
             }
         }
@@ -198,10 +198,7 @@ pub(crate) fn worst_on_ramps(
     for (joint, j) in robot.joints().iter().enumerate() {
         let own = use_on_ramps(&j.limits, trajectory, joint, timeline, samples);
         for (worst, own) in worst.iter_mut().zip(own) {
-            *worst = match (*worst, own) {
-                (Some(known), Some(own)) => Some(known.worst_of(own)),
-                (known, own) => known.or(own),
-            };
+            *worst = WorstUse::worst_of_both(*worst, own);
         }
     }
     worst

@@ -236,10 +236,9 @@ mod tests {
         let omega = (0.3 * LEVEL / (0.16 * 0.5_f64)).sqrt();
         let period_s = std::f64::consts::TAU / omega;
         problem.set_space(DesignSpace::new(Family::Fourier, period_s, vec![5; 2]).unwrap()).unwrap();
-        problem
-            .set_limits(DesignLimits::of_motion().with_efforts(nominal).with_ramps(0.2 * period_s).unwrap())
-            .unwrap();
-        problem.set_budget(DesignBudget::default().with_certificate_samples(500).unwrap());
+        let (nominal, ramp_s) = (Some(nominal), Some(0.2 * period_s));
+        problem.set_limits(DesignLimits { nominal, ramp_s, ..DesignLimits::of_motion() }).unwrap();
+        problem.set_budget(DesignBudget { certificate_samples: 500, ..DesignBudget::default() }).unwrap();
         let joint = |name: &str, b: f64, q0: f64| FourierJoint { name: name.into(), a: vec![0.0], b: vec![b], q0 };
         let joints = vec![joint("shoulder", 0.5 * omega, -0.5), joint("elbow", 0.0, 0.0)];
         let motion = FourierTrajectory::new(period_s, joints).unwrap().into();

@@ -40,17 +40,16 @@ impl Curve {
         match self {
             Self::Trigonometric(wave) => wave.minimum(),
             Self::Mixed(wave, polynomial) => {
-                let negative = |values: &[f64]| values.iter().map(|x| -x).collect::<Vec<f64>>();
-                let wave = TrigonometricPolynomial {
-                    mean: -wave.mean,
-                    cosine: negative(&wave.cosine),
-                    sine: negative(&wave.sine),
-                };
-                let Extremum { phase, value } = mixed_maximum(&wave, &negative(polynomial));
-                Extremum { phase, value: -value }
+                let polynomial: Vec<f64> = polynomial.iter().map(|c| -c).collect();
+                mixed_maximum(&wave.negated(), &polynomial).negated()
             }
             Self::Piecewise(pieces) => pieces.minimum(),
         }
+    }
+
+    /// The largest magnitude over the period.
+    pub fn peak(&self) -> f64 {
+        self.maximum().value.max(-self.minimum().value)
     }
 }
 

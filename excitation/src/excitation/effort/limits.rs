@@ -7,7 +7,7 @@
 //! friction turns within milliseconds; there, too, only the peak beside it counts.
 
 use super::channel::Channel;
-use super::model::EffortModel;
+use super::model::{EffortModel, Load};
 use super::worst::{Peak, Place, Survey, refine};
 use crate::excitation::basis::MotionBasis;
 use crate::optimiser::{Row, SmoothLimits, SmoothRow};
@@ -29,7 +29,7 @@ pub struct EffortLimits {
     at: Vec<f64>,
     peaks: Vec<Peak>,
     mean_squares: Vec<f64>,
-    loads: Vec<(f64, f64)>,
+    loads: Vec<Load>,
     /// Where the last motion that did not hold failed.
     failed: Option<Place>,
 }
@@ -107,8 +107,7 @@ impl EffortLimits {
             }
             self.mean_squares.push(survey.root_mean_square(c) / self.channels[c].continuous);
         }
-        let width = self.channels.len();
-        self.loads = (0..self.samples * width).map(|i| survey.period_load(i / width, i % width)).collect();
+        self.loads = survey.into_period_loads();
         self.at = x.to_vec();
     }
 
@@ -123,10 +122,10 @@ impl EffortLimits {
         for k in 0..count {
             let point = self.timeline.point(Segment::Period, k as f64 / count as f64);
             self.model.move_to(&trajectory, self.basis.omega(), &point);
-            let (value, spread) = self.loads[k * width + c];
-            let scale = (value.abs() + spread) / (count as f64 * rms * limit);
+            let load = self.loads[k * width + c];
+            let scale = load.largest() / (count as f64 * rms * limit);
             let mut slopes = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
-            self.model.slopes(&self.channels[c], value.signum(), scale, &mut slopes);
+            self.model.slopes(&self.channels[c], load.value.signum(), scale, &mut slopes);
             self.add_row(&slopes, &point, &mut normal);
         }
         Row { start: 0, normal, bound: 1.0 - self.mean_squares[c] }

@@ -10,7 +10,7 @@ use super::space::DesignSpace;
 use crate::base::{BaseReduction, Method, reduce, reduce_on};
 use crate::dynamics::States;
 use crate::excitation::criterion::Criterion;
-use crate::excitation::error::{ExcitationError, above_zero, same_length};
+use crate::excitation::error::{ExcitationError, finite};
 use crate::excitation::evaluation::EvaluationMotions;
 use crate::excitation::expected::ExpectedEffects;
 use crate::model::{Columns, ReferenceUnits, Robot};
@@ -33,13 +33,13 @@ pub struct DesignObjective {
     columns: Columns,
     base: BaseReduction,
     criterion: Arc<dyn Criterion>,
-    samples: usize,
-    noise: Option<Vec<f64>>,
-    prior: Option<DMatrix<f64>>,
-    evaluation: Option<EvaluationMotions>,
-    expected: Option<ExpectedEffects>,
-    rows: Option<f64>,
-    reference_units: ReferenceUnits,
+    pub(super) samples: usize,
+    pub(super) noise: Option<Vec<f64>>,
+    pub(super) prior: Option<DMatrix<f64>>,
+    pub(super) evaluation: Option<EvaluationMotions>,
+    pub(super) expected: Option<ExpectedEffects>,
+    pub(super) rows: Option<f64>,
+    pub(super) reference_units: ReferenceUnits,
 }
 
 impl DesignObjective {
@@ -81,11 +81,6 @@ impl DesignObjective {
         self.criterion.smoothed(sharpness).map_or_else(|| Arc::clone(&self.criterion), Arc::from)
     }
 
-    /// Samples of one period that were asked for.
-    pub(super) const fn samples(&self) -> usize {
-        self.samples
-    }
-
     /// Noise of each joint's torque, N·m (n), for the criteria that weight rows; all 1 without it.
     pub fn noise(&self) -> Option<&[f64]> {
         self.noise.as_deref()
@@ -107,37 +102,14 @@ impl DesignObjective {
         &self.reference_units
     }
 
-    pub(super) fn set_reference_units(&mut self, units: ReferenceUnits) {
-        self.reference_units = units;
-        *self = self.clone().told_units();
-    }
-
     /// With the unit of each base parameter told to a criterion that asks.
-    fn told_units(mut self) -> Self {
+    pub(super) fn told_units(mut self) -> Self {
         let unit = |&column: &usize| self.reference_units.of(self.base.parameters[column].kind);
         let units: Vec<f64> = self.base.kept.iter().map(unit).collect();
         if let Some(criterion) = self.criterion.in_units(&units) {
             self.criterion = criterion.into();
         }
         self
-    }
-
-    pub(super) fn set_evaluation(&mut self, joints: usize, motions: EvaluationMotions) -> Result<(), ExcitationError> {
-        same_length("joints of the evaluation motions", motions.joints(), joints)?;
-        self.evaluation = Some(motions);
-        Ok(())
-    }
-
-    pub(super) fn set_expected(&mut self, joints: usize, expected: ExpectedEffects) -> Result<(), ExcitationError> {
-        same_length("nominal links of the expected effects", expected.nominal().links.len(), joints)?;
-        self.expected = Some(expected);
-        Ok(())
-    }
-
-    pub(super) fn set_rows(&mut self, rows: f64) -> Result<(), ExcitationError> {
-        above_zero("number of torque rows of the experiment", rows, "")?;
-        self.rows = Some(rows);
-        Ok(())
     }
 
     /// Tells the criterion what the estimate is for, if it asks.
@@ -174,29 +146,6 @@ impl DesignObjective {
         }
     }
 
-    pub(super) const fn set_samples(&mut self, samples: usize) -> Result<(), ExcitationError> {
-        if samples == 0 {
-            return Err(ExcitationError::TooFew { quantity: "samples", found: 0, least: 1 });
-        }
-        self.samples = samples;
-        Ok(())
-    }
-
-    pub(super) fn set_noise(&mut self, joints: usize, noise: Vec<f64>) -> Result<(), ExcitationError> {
-        same_length("noise levels", noise.len(), joints)?;
-        for &level in &noise {
-            above_zero("a noise level", level, "N·m")?;
-        }
-        self.noise = Some(noise);
-        Ok(())
-    }
-
-    pub(super) fn set_prior(&mut self, prior: DMatrix<f64>) -> Result<(), ExcitationError> {
-        check_prior(&prior, &self.base)?;
-        self.prior = Some(prior);
-        Ok(())
-    }
-
     /// This objective on the base of the joints that move in another space.
     pub(super) fn in_space(&self, robot: &Robot, space: &DesignSpace) -> Result<Self, ExcitationError> {
         let base = if space.frozen().iter().all(Option::is_none) {
@@ -213,15 +162,12 @@ impl DesignObjective {
 }
 
 /// Prior information must be that of the base parameters.
-fn check_prior(prior: &DMatrix<f64>, base: &BaseReduction) -> Result<(), ExcitationError> {
+pub(super) fn check_prior(prior: &DMatrix<f64>, base: &BaseReduction) -> Result<(), ExcitationError> {
     let (expected, (rows, columns)) = (base.rank(), prior.shape());
     if (rows, columns) != (expected, expected) {
         return Err(ExcitationError::PriorSize { rows, columns, expected });
     }
-    match prior.iter().find(|entry| !entry.is_finite()) {
-        Some(&found) => Err(ExcitationError::NotFinite { quantity: "entry of the prior information", found, unit: "" }),
-        None => Ok(()),
-    }
+    prior.iter().try_for_each(|&entry| finite("entry of the prior information", entry, ""))
 }
 
 /// Random states of the joints that move, the others where they stand.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::excitation::error::{ExcitationError, above_zero};
+use crate::excitation::error::{ExcitationError, above_zero, at_least_one, finite};
 use crate::trajectory::TrajectoryFamily;
 
 /// The trajectories among which a design is sought: family, period, harmonics, and the joints that stand still.
@@ -37,9 +37,7 @@ impl DesignSpace {
     ) -> Result<Self, ExcitationError> {
         let family = family.into();
         above_zero("period", period_s, "s")?;
-        if harmonics.is_empty() {
-            return Err(ExcitationError::TooFew { quantity: "joints", found: 0, least: 1 });
-        }
+        at_least_one("joints", harmonics.len())?;
         let frozen = vec![None; harmonics.len()];
         Ok(Self { family, period_s, harmonics, frozen })
     }
@@ -51,9 +49,7 @@ impl DesignSpace {
     /// number. Whether it is within the joint's range is asked by the problem that takes the space.
     pub fn with_frozen(mut self, index: usize, place: f64) -> Result<Self, ExcitationError> {
         let joints = self.frozen.len();
-        if !place.is_finite() {
-            return Err(ExcitationError::NotFinite { quantity: "frozen position", found: place, unit: "rad" });
-        }
+        finite("frozen position", place, "rad")?;
         *self.frozen.get_mut(index).ok_or(ExcitationError::NoSuchJoint { found: index, joints })? = Some(place);
         Ok(self)
     }

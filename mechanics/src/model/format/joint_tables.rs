@@ -88,6 +88,17 @@ impl JointTables<'_> {
         Ok(value.as_ref().map(|value| (key, value)))
     }
 
+    /// The number above zero of the key that fits; `otherwise` where it is not stated.
+    fn positive(
+        &self,
+        revolute: (&'static str, &Option<Number>),
+        prismatic: (&'static str, &Option<Number>),
+        otherwise: f64,
+    ) -> Result<f64, FormatError> {
+        let stated = self.fitting(revolute, prismatic)?;
+        stated.map_or(Ok(otherwise), |(key, number)| self.check.positive(key, number))
+    }
+
     /// Limits as the file states them; what it does not state is as `otherwise` has it.
     pub(super) fn limits(&self, table: &LimitsTable, otherwise: Limits) -> Result<Limits, FormatError> {
         let revolute = self.kind == JointKind::Revolute;
@@ -109,24 +120,19 @@ impl JointTables<'_> {
         {
             limits.velocity = si(self.check.positive(key, x)?);
         }
-        if let Some((key, x)) = self.fitting(
+        limits.acceleration = self.positive(
             ("acceleration_rad_s2", &table.acceleration_rad_s2),
             ("acceleration_m_s2", &table.acceleration_m_s2),
-        )? {
-            limits.acceleration = self.check.positive(key, x)?;
-        }
-        if let Some((key, x)) = self.fitting(("jerk_rad_s3", &table.jerk_rad_s3), ("jerk_m_s3", &table.jerk_m_s3))? {
-            limits.jerk = self.check.positive(key, x)?;
-        }
-        if let Some((key, x)) = self.fitting(("torque_nm", &table.torque_nm), ("force_n", &table.force_n))? {
-            limits.torque = self.check.positive(key, x)?;
-        }
-        if let Some((key, x)) = self.fitting(
+            limits.acceleration,
+        )?;
+        limits.jerk =
+            self.positive(("jerk_rad_s3", &table.jerk_rad_s3), ("jerk_m_s3", &table.jerk_m_s3), limits.jerk)?;
+        limits.torque = self.positive(("torque_nm", &table.torque_nm), ("force_n", &table.force_n), limits.torque)?;
+        limits.continuous_torque = self.positive(
             ("continuous_torque_nm", &table.continuous_torque_nm),
             ("continuous_force_n", &table.continuous_force_n),
-        )? {
-            limits.continuous_torque = self.check.positive(key, x)?;
-        }
+            limits.continuous_torque,
+        )?;
         Ok(limits)
     }
 
@@ -156,29 +162,22 @@ impl JointTables<'_> {
                 return check.fault(self.at.clone(), message);
             }
         };
-        if let Some(x) = &table.current_limit_a {
-            drive.current_limit = check.positive("current_limit_a", x)?;
-        }
-        if let Some(x) = &table.continuous_current_a {
-            drive.continuous_current = check.positive("continuous_current_a", x)?;
-        }
-        if let Some((key, x)) = self
-            .fitting(("counts_per_revolution", &table.counts_per_revolution), ("counts_per_m", &table.counts_per_m))?
-        {
-            drive.counts_per_revolution = check.positive(key, x)?;
-        }
+        drive.current_limit = check.positive_or("current_limit_a", &table.current_limit_a, f64::INFINITY)?;
+        drive.continuous_current =
+            check.positive_or("continuous_current_a", &table.continuous_current_a, f64::INFINITY)?;
+        drive.counts_per_revolution = self.positive(
+            ("counts_per_revolution", &table.counts_per_revolution),
+            ("counts_per_m", &table.counts_per_m),
+            0.0,
+        )?;
         if let Some(x) = &table.encoder_sign {
             drive.encoder_sign = check.finite("encoder_sign", x)?;
             if ![1.0, -1.0].contains(&drive.encoder_sign) {
                 return check.fault(x.span(), format!("encoder_sign is {}, expected 1 or -1", drive.encoder_sign));
             }
         }
-        if let Some(x) = &table.current_noise_a {
-            drive.current_noise = check.not_negative("current_noise_a", x)?;
-        }
-        if let Some(x) = &table.adc_range_a {
-            drive.adc_range = check.positive("adc_range_a", x)?;
-        }
+        drive.current_noise = check.not_negative_or("current_noise_a", &table.current_noise_a, 0.0)?;
+        drive.adc_range = check.positive_or("adc_range_a", &table.adc_range_a, f64::INFINITY)?;
         if let Some(bits) = &table.adc_bits {
             drive.adc_bits = *bits.get_ref();
             if drive.adc_bits > 30 {
@@ -197,9 +196,7 @@ impl JointTables<'_> {
         }
         drive.shapes = read_shape_parameters(check, &table.shape)?;
         drive.circuit = self.circuit(table, drive.torque_constant)?;
-        if let Some(x) = &table.voltage_noise_v {
-            drive.voltage_noise = check.not_negative("voltage_noise_v", x)?;
-        }
+        drive.voltage_noise = check.not_negative_or("voltage_noise_v", &table.voltage_noise_v, 0.0)?;
         Ok(drive)
     }
 
@@ -221,13 +218,12 @@ impl JointTables<'_> {
                 None => Ok(None),
             };
         };
-        let value = |key, x: &Option<Number>, default| x.as_ref().map_or(Ok(default), |x| check.not_negative(key, x));
         Ok(Some(MotorCircuit {
             resistance: check.positive("resistance_ohm", resistance)?,
-            inductance: value("inductance_h", &table.inductance_h, 0.0)?,
-            back_emf: value("back_emf_v_s_rad", &table.back_emf_v_s_rad, torque_constant)?,
-            brush_drop: value("brush_drop_v", &table.brush_drop_v, 0.0)?,
-            supply: table.supply_v.as_ref().map_or(Ok(f64::INFINITY), |x| check.positive("supply_v", x))?,
+            inductance: check.not_negative_or("inductance_h", &table.inductance_h, 0.0)?,
+            back_emf: check.not_negative_or("back_emf_v_s_rad", &table.back_emf_v_s_rad, torque_constant)?,
+            brush_drop: check.not_negative_or("brush_drop_v", &table.brush_drop_v, 0.0)?,
+            supply: check.positive_or("supply_v", &table.supply_v, f64::INFINITY)?,
         }))
     }
 }

@@ -6,8 +6,7 @@ use toml::Spanned;
 
 use super::drive_table::{CIRCUIT, DriveTable, TORQUE_CONSTANT};
 use super::error::FormatError;
-use super::reading::quoted;
-use super::reading::{Check, Number, Row, read};
+use super::reading::{Check, Number, Row, quoted, read};
 use super::relative_uncertainty::{RelativeUncertainty, UncertaintyTable};
 use super::shape_parameters;
 use super::term_keys::read_terms;

@@ -71,6 +71,21 @@ impl<'a> Check<'a> {
     }
 
     /// A list of exactly `N` finite numbers.
+    /// As [`Self::positive`]; `otherwise` where the key is not stated.
+    pub(super) fn positive_or(&self, key: &str, number: &Option<Number>, otherwise: f64) -> Result<f64, FormatError> {
+        number.as_ref().map_or(Ok(otherwise), |number| self.positive(key, number))
+    }
+
+    /// As [`Self::not_negative`]; `otherwise` where the key is not stated.
+    pub(super) fn not_negative_or(
+        &self,
+        key: &str,
+        number: &Option<Number>,
+        otherwise: f64,
+    ) -> Result<f64, FormatError> {
+        number.as_ref().map_or(Ok(otherwise), |number| self.not_negative(key, number))
+    }
+
     pub(super) fn numbers<const N: usize>(&self, key: &str, row: &Row) -> Result<[f64; N], FormatError> {
         let found = row.get_ref();
         if found.len() != N {
