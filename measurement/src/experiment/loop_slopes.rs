@@ -51,7 +51,7 @@ impl LoopSlopes {
         let d = self.directions;
         let fresh = std::mem::take(&mut self.fresh);
         let (pid, motors) = (&joints.controller, &joints.motors);
-        let forward = joints.transmission.forward();
+        let forward = joints.transmission.forward.as_ref();
         let n = pid.kp.len();
         for i in 0..n {
             let at = i * d..(i + 1) * d;

@@ -192,6 +192,17 @@ impl Recording {
         touched
     }
 
+    /// Samples of the whole experiment, as planned.
+    pub(super) fn planned_samples(&self) -> usize {
+        self.phases.last().map_or(0, |span| span.samples.end)
+    }
+
+    /// Sample k as the arm reported it in a phase, and what was commanded then.
+    pub(super) fn sample<'a>(&'a self, k: usize, phase: Phase, command: &'a [f64]) -> RawSample<'a> {
+        let (q, effort, voltage, link_q) = (self.q(k), self.effort(k), self.voltage(k), self.link_q(k));
+        RawSample { index: k, t: self.t[k], phase, q, effort, voltage, link_q, command }
+    }
+
     /// Adds a sample.
     pub fn push(&mut self, sample: &RawSample<'_>) {
         self.t.push(sample.t);
