@@ -190,14 +190,6 @@ pub fn planar_2r() -> Robot {
     .expect("two distinct joints with positive limits")
 }
 
-/// A robot with one set of limits on every joint.
-///
-/// # Panics
-/// If the limits are those of no joint.
-pub fn with_limits(robot: &Robot, limits: Limits) -> Robot {
-    robot.clone().with_joints(|joint| joint.limits = limits).expect("limits of a joint")
-}
-
 /// The CRS A460 with 12.566 rad/s² on every joint, the limits of the published comparisons.
 ///
 /// # Panics

@@ -173,16 +173,16 @@ impl StudySetup {
         let harmonics = match &plan.harmonics {
             Some(HarmonicsPlan::Every(harmonics)) => vec![*harmonics; self.robot.dof()],
             Some(HarmonicsPlan::Each(harmonics)) => harmonics.clone(),
-            None => problem.space().harmonics().to_vec(),
+            None => problem.space().harmonics.clone(),
         };
-        let mut space = DesignSpace::new(plan.family()?, self.plan.experiment.period_s, harmonics)?;
+        let mut space = DesignSpace::new(plan.family()?, self.plan.experiment.period_s, harmonics);
         for (found, place) in &plan.freeze {
             let names: Vec<&str> = self.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
             let index = names
                 .iter()
                 .position(|known| known == found)
                 .ok_or_else(|| plan_error::name("design.freeze", found, names.iter().copied()))?;
-            space = space.with_frozen(index, *place)?;
+            space.frozen[index] = Some(*place);
         }
         problem.set_space(space)?;
         if let Some(most) = plan.rms_speed {
@@ -211,7 +211,7 @@ impl StudySetup {
         let mut problem = DesignProblem::new(self.robot.clone(), self.regressor.columns(), criterion, limits)?;
         let experiment = &self.plan.experiment;
         let harmonics = vec![experiment.harmonics; self.robot.dof()];
-        problem.set_space(DesignSpace::new(Family::Fourier, experiment.period_s, harmonics)?)?;
+        problem.set_space(DesignSpace::new(Family::Fourier, experiment.period_s, harmonics))?;
         problem.set_noise(sigma)?;
         problem.set_budget(DesignBudget { evaluations, ..DesignBudget::default() })?;
         problem.set_reference_units(self.plan.reference.clone());

@@ -41,10 +41,6 @@ impl Criterion for SquaredVariances {
         Score::exact(0.5 * trace.ln())
     }
 
-    fn report(&self, value: f64) -> f64 {
-        value.exp()
-    }
-
     fn is_weighted(&self) -> bool {
         true
     }

@@ -22,7 +22,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::criterion::CriterionKind;
 use super::effort::{Channel, EffortModel, InsideShare};
-use super::error::ExcitationError;
+use super::error::{ExcitationError, same_joints};
 use super::information::Information;
 use super::limit_survey::{LimitSurvey, WorstCases, WorstLimitUse};
 use super::problem::DesignProblem;
@@ -119,16 +119,17 @@ impl Certificate {
     /// [`ExcitationError::Joints`] if the trajectory is not one of as many joints as the robot has.
     pub fn of(problem: &DesignProblem, trajectory: &PeriodicTrajectory) -> Result<Self, ExcitationError> {
         let n = problem.robot().dof();
-        if trajectory.dof() != n {
-            return Err(ExcitationError::Joints { found: trajectory.dof(), expected: n });
-        }
+        same_joints(trajectory.dof(), n)?;
         let samples = problem.budget().certificate_samples;
         let regressor = problem.regressor(problem.robot())?;
         let kept = &problem.base().kept;
         let m = Information::new(regressor, kept, samples, &vec![1.0; n], None).gather(&trajectory.sample(samples));
         let rigid = problem.objective().rigid_positions();
         let m_rigid = m.select_rows(&rigid).select_columns(&rigid);
-        let report = |kind: CriterionKind, m: &DMatrix<f64>| kind.report(kind.criterion().evaluate(m, None).exact);
+        let report = |kind: CriterionKind, m: &DMatrix<f64>| {
+            let criterion = kind.criterion();
+            criterion.report(criterion.evaluate(m, None).exact)
+        };
         let timeline = problem.timeline(trajectory.period_s());
         let mut model = problem.efforts();
         let LimitSurvey { used, worst } =
@@ -157,7 +158,7 @@ impl Certificate {
             weakest,
             uncertainty_multiple: problem.limits().spread.as_ref().map_or(0.0, |spread| spread.multiple),
             efforts_inside,
-            bias_susceptibility: Some(bias_susceptibility(&m, &reference_units(problem))),
+            bias_susceptibility: Some(bias_susceptibility(&m, &problem.objective().units())),
             samples,
             condition: report(CriterionKind::Condition, &m_rigid),
             condition_scaled: report(CriterionKind::ConditionScaled, &m_rigid),
@@ -191,12 +192,6 @@ impl Certificate {
     }
 }
 
-/// The reference unit of each chosen base parameter.
-fn reference_units(problem: &DesignProblem) -> Vec<f64> {
-    let (base, units) = (problem.base(), problem.objective().reference_units());
-    base.kept.iter().map(|&column| units.of(base.parameters[column].kind)).collect()
-}
-
 /// `1/√λ_min(D M D)` of the information of one torque row; infinite of a singular matrix.
 fn bias_susceptibility(m: &DMatrix<f64>, units: &[f64]) -> f64 {
     let scaled = DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| units[i] * m[(i, j)] * units[j]);
@@ -215,7 +210,7 @@ fn weakest(
         .limits()
         .nominal
         .as_ref()
-        .map(|set| problem.base().beta(&set.vector(problem.robot(), problem.objective().columns())));
+        .map(|set| problem.base().beta(&set.vector(problem.robot(), problem.objective().columns)));
     let mut order: Vec<usize> = (0..direction.len()).collect();
     order.sort_by(|&x, &y| direction[y].abs().total_cmp(&direction[x].abs()).then(x.cmp(&y)));
     let names = problem.base().names();
@@ -273,7 +268,7 @@ mod tests {
         problem.set_budget(DesignBudget { certificate_samples: 400, ..DesignBudget::default() }).unwrap();
         let trajectory = table_one::corrected().into();
         let certificate = Certificate::of(&problem, &trajectory).unwrap();
-        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns()).unwrap();
+        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns).unwrap();
         let w = problem.base().select_columns(&regressor.stack(&trajectory.sample(400)));
         assert_eq!(w.ncols(), 58);
         assert!((certificate.condition_all / crate::linalg::condition(&w) - 1.0).abs() < 1e-9);
@@ -330,9 +325,9 @@ mod tests {
         problem.set_budget(DesignBudget { certificate_samples: 200, ..DesignBudget::default() }).unwrap();
         let trajectory = table_one::corrected().into();
         let found = Certificate::of(&problem, &trajectory).unwrap().bias_susceptibility.unwrap();
-        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns()).unwrap();
+        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns).unwrap();
         let w = problem.base().select_columns(&regressor.stack(&trajectory.sample(200)));
-        let units = reference_units(&problem);
+        let units = problem.objective().units();
         let scaled = DMatrix::from_fn(w.nrows(), w.ncols(), |i, j| w[(i, j)] * units[j]);
         let svd = scaled.clone().svd(true, true);
         let rows = (w.nrows() as f64).sqrt();

@@ -34,13 +34,10 @@ impl Certificate {
     /// # Errors
     /// [`ExcitationError::Certificate`] if the table is there and is not a certificate.
     pub fn in_toml(text: &str) -> Result<Option<Self>, ExcitationError> {
-        let fault = |message: String| ExcitationError::Certificate { message };
-        let file: In = toml::from_str(text).map_err(|error| fault(error.message().trim_end().to_owned()))?;
-        file.certificate
-            .map(|table| {
-                table.try_into().map_err(|error: toml::de::Error| fault(error.message().trim_end().to_owned()))
-            })
-            .transpose()
+        let fault =
+            |error: toml::de::Error| ExcitationError::Certificate { message: error.message().trim_end().to_owned() };
+        let file: In = toml::from_str(text).map_err(fault)?;
+        file.certificate.map(|table| table.try_into().map_err(fault)).transpose()
     }
 }
 

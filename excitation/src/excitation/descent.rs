@@ -119,8 +119,8 @@ impl<'a> Search<'a> {
 
     /// Judges the current iterate by the criterion itself.
     fn record(&mut self) {
-        let (exact, excess) = (self.objective.exact(), self.state.excess);
-        let current = self.problem.objective().criterion().report(exact);
+        let (exact, excess) = (self.objective.exact, self.state.excess);
+        let current = self.problem.objective().criterion.report(exact);
         self.last = (self.state.x.clone(), current);
         if excess <= EXCESS_TOLERANCE && exact < self.least {
             self.least = exact;
@@ -161,7 +161,7 @@ impl<'a> Search<'a> {
         let fresh = self.feasibility.basis.coefficients(&fresh)?;
         let (best, _) = self.best.as_ref().unwrap_or(&self.last);
         let x = best.iter().zip(&fresh).map(|(best, fresh)| best + HOP_SHARE * (fresh - best)).collect();
-        self.objective.change(problem.objective().smoothed(SHARPNESS[0]));
+        self.objective.criterion = problem.objective().smoothed(SHARPNESS[0]);
         let (evaluations, iterations) = (self.state.evaluations, self.state.iterations);
         self.state = Sequential::new(x, self.objective, &mut self.feasibility.smooth, settings(problem));
         // The limit is on all descents together.
@@ -174,7 +174,7 @@ impl<'a> Search<'a> {
     /// One descent, sharper and sharper.
     fn descend(&mut self) -> Termination {
         let wanted = self.problem.objective();
-        let has_kinks = wanted.criterion().smoothed(SHARPNESS[0]).is_some();
+        let has_kinks = wanted.criterion.smoothed(SHARPNESS[0]).is_some();
         let stages: &[f64] = if has_kinks { &SHARPNESS } else { &SHARPNESS[..1] };
         let budget = self.problem.budget().evaluations;
         let first = self.state.evaluations;
@@ -184,7 +184,7 @@ impl<'a> Search<'a> {
                 if self.state.evaluations + 2 > budget {
                     return Termination::EvaluationBudget;
                 }
-                self.objective.change(wanted.smoothed(sharpness));
+                self.objective.criterion = wanted.smoothed(sharpness);
                 self.state.restart(self.objective, &mut self.feasibility.smooth);
             }
             self.state.settings.tolerance = if stage + 1 < stages.len() { STAGE_TOLERANCE } else { TOLERANCE };

@@ -70,7 +70,7 @@ fn continue_from(
         .fold((0.0, 0.0), |(size, moved), (x, y)| (size + x * x, moved + (x - y) * (x - y)));
     if moved > SHRUNK * SHRUNK * size {
         let exact = InformationObjective::of(problem, SHARPNESS[0])?.exact_at(&finished);
-        found.value = problem.objective().criterion().report(exact);
+        found.value = problem.objective().criterion.report(exact);
     }
     judged(problem, &feasibility, start, trajectory, found)
 }
@@ -84,7 +84,7 @@ fn judged(
     found: Found,
 ) -> Result<Design, ExcitationError> {
     let certificate = Certificate::of(problem, &trajectory)?;
-    let criterion = problem.objective().criterion();
+    let criterion = &problem.objective().criterion;
     Ok(Design {
         termination: feasibility.verdict(problem, &trajectory, &certificate).unwrap_or(found.ending),
         trajectory,
@@ -114,7 +114,7 @@ pub fn random_design<'a>(
     let mut feasibility = Feasibility::new(problem)?;
     let mut objective = InformationObjective::of(problem, SHARPNESS[0])?;
     let draws = seed.child("random design", index);
-    let criterion = problem.objective().criterion();
+    let criterion = &problem.objective().criterion;
     let mut best: Option<(PeriodicTrajectory, f64)> = None;
     let mut best_is_inside = false;
     let mut history = Vec::new();

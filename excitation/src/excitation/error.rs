@@ -34,9 +34,6 @@ pub enum ExcitationError {
         "design: probability of keeping the limits of torque and current is {found}, expected 0.5 or more and less than 1"
     )]
     Confidence { found: f64 },
-    /// A joint's number is beyond the last one.
-    #[error("design: number of a joint is {found}, expected less than {joints}")]
-    NoSuchJoint { found: usize, joints: usize },
     /// A margin to the position limits leaves a joint nothing.
     #[error("design: the margin to the position limits gives {0}, expected one that leaves every joint a range")]
     PositionMargin(RobotError),
@@ -93,4 +90,9 @@ pub(super) const fn finite(quantity: &'static str, found: f64, unit: &'static st
 /// A list must have as many entries as the robot asks for.
 pub(super) const fn same_length(quantity: &'static str, found: usize, expected: usize) -> Result<(), ExcitationError> {
     if found == expected { Ok(()) } else { Err(ExcitationError::Length { quantity, found, expected }) }
+}
+
+/// A motion must move as many joints as the robot has.
+pub(super) const fn same_joints(found: usize, expected: usize) -> Result<(), ExcitationError> {
+    if found == expected { Ok(()) } else { Err(ExcitationError::Joints { found, expected }) }
 }

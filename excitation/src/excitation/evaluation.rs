@@ -10,7 +10,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::criterion::{Carried, Prediction};
-use super::error::{ExcitationError, above_zero, at_least_one, same_length};
+use super::error::{ExcitationError, above_zero, at_least_one, same_joints, same_length};
 use super::expected::{EffectTorques, ExpectedEffects};
 use super::start::series_start;
 use crate::base::BaseReduction;
@@ -56,9 +56,7 @@ impl EvaluationMotions {
     /// [`ExcitationError::TooFew`] of none, [`ExcitationError::Joints`] if one is of another number of joints.
     pub fn new(motions: Vec<PeriodicTrajectory>, joints: usize) -> Result<Self, ExcitationError> {
         at_least_one("evaluation motions", motions.len())?;
-        if let Some(other) = motions.iter().find(|motion| motion.dof() != joints) {
-            return Err(ExcitationError::Joints { found: other.dof(), expected: joints });
-        }
+        motions.iter().try_for_each(|motion| same_joints(motion.dof(), joints))?;
         Ok(Self { motions, weights: vec![1.0; joints], samples: SAMPLES })
     }
 

@@ -7,7 +7,7 @@
 
 use super::margins::Margins;
 use crate::model::{Limits, Robot};
-use crate::trajectory::{Curve, PeriodicTrajectory, Quantity};
+use crate::trajectory::{Curve, Extremum, PeriodicTrajectory, Quantity};
 
 /// The worst use of one kind of limit over all joints and all times.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -63,32 +63,35 @@ pub(crate) fn ratio_in((low, high): (f64, f64), value: f64) -> (f64, f64) {
 
 /// The worst use of one kind of limit, at the true extrema.
 pub(crate) fn worst_use(robot: &Robot, trajectory: &PeriodicTrajectory, quantity: Quantity) -> WorstUse {
-    let mut worst = WorstUse::NONE;
-    for (j, joint) in robot.joints().iter().enumerate() {
-        let curve = trajectory.curve(j, quantity);
+    let uses = robot.joints().iter().enumerate().flat_map(|(j, joint)| {
         let range = interval(&joint.limits, quantity);
-        for extremum in [curve.minimum(), curve.maximum()] {
-            let (ratio, limit) = ratio_in(range, extremum.value);
-            let t = extremum.phase / trajectory.omega();
-            worst = worst.worst_of(WorstUse { ratio, joint: j, t, value: extremum.value, limit });
-        }
-    }
-    worst
+        extreme_uses(trajectory, j, &trajectory.curve(j, quantity), |value| ratio_in(range, value))
+    });
+    uses.fold(WorstUse::NONE, WorstUse::worst_of)
 }
 
 /// The worst use of the jerk limits, at the true extrema; `None` where no joint has one.
 pub(crate) fn worst_jerk(robot: &Robot, trajectory: &PeriodicTrajectory) -> Option<WorstUse> {
-    let mut worst: Option<WorstUse> = None;
-    for (j, joint) in robot.joints().iter().enumerate().filter(|(_, joint)| joint.limits.jerk.is_finite()) {
-        let (curve, limit) = (trajectory.derivative(j, 3), joint.limits.jerk);
-        for extremum in [curve.minimum(), curve.maximum()] {
-            let (ratio, t) = (extremum.value.abs() / limit, extremum.phase / trajectory.omega());
-            let limit = limit.copysign(extremum.value);
-            let here = WorstUse { ratio, joint: j, t, value: extremum.value, limit };
-            worst = WorstUse::worst_of_both(worst, Some(here));
-        }
-    }
-    worst
+    let limited = robot.joints().iter().enumerate().filter(|(_, joint)| joint.limits.jerk.is_finite());
+    let uses = limited.flat_map(|(j, joint)| {
+        let limit = joint.limits.jerk;
+        let used = |value: f64| (value.abs() / limit, limit.copysign(value));
+        extreme_uses(trajectory, j, &trajectory.derivative(j, 3), used)
+    });
+    uses.reduce(WorstUse::worst_of)
+}
+
+/// What a joint's curve uses at its extrema; `used` gives the ratio at a value and the limit it is held against.
+fn extreme_uses(
+    trajectory: &PeriodicTrajectory,
+    joint: usize,
+    curve: &Curve,
+    used: impl Fn(f64) -> (f64, f64),
+) -> [WorstUse; 2] {
+    [curve.minimum(), curve.maximum()].map(|Extremum { phase, value }| {
+        let (ratio, limit) = used(value);
+        WorstUse { ratio, joint, t: phase / trajectory.omega(), value, limit }
+    })
 }
 
 /// Interval that the given part of a limit leaves, about its middle.
@@ -156,10 +159,9 @@ mod tests {
     #[test]
     fn analytic_use_of_one_harmonic() {
         let mut robot = chains::planar_2r();
-        robot = chains::with_limits(
-            &robot,
-            Limits { position: (-1.0, 2.0), velocity: 2.0, acceleration: 4.0, jerk: 8.0, torque: 10.0, ..Limits::NONE },
-        );
+        let limits =
+            Limits { position: (-1.0, 2.0), velocity: 2.0, acceleration: 4.0, jerk: 8.0, torque: 10.0, ..Limits::NONE };
+        robot = robot.with_joints(|joint| joint.limits = limits).unwrap();
         let joint = |a: f64, q0: f64| FourierJoint { name: String::new(), a: vec![a], b: vec![0.0], q0 };
         let period = std::f64::consts::TAU;
         let series = FourierTrajectory { period_s: period, joints: vec![joint(1.0, 0.5), joint(0.5, 1.6)] };
@@ -183,7 +185,7 @@ mod tests {
         let (robot, _) = chains::random_robot(&mut rng, 3);
         let limits =
             Limits { position: (-0.7, 1.9), velocity: 1.5, acceleration: 5.0, jerk: 12.0, torque: 1.0, ..Limits::NONE };
-        let robot = chains::with_limits(&robot, limits);
+        let robot = robot.with_joints(|joint| joint.limits = limits).unwrap();
         for _ in 0..50 {
             let mut draw = |size: f64| (0..4).map(|_| rng.random_range(-size..size)).collect::<Vec<f64>>();
             let joints = (0..3)

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::criterion::{Criterion, Score};
-use super::error::ExcitationError;
+use super::error::{ExcitationError, same_joints};
 use super::expected::EffectTorques;
 use super::information::Information;
 use super::problem::DesignProblem;
@@ -25,10 +25,11 @@ pub struct InformationObjective {
     sampled: SampledBasis,
     states: States,
     slopes: States,
-    criterion: Arc<dyn Criterion>,
+    pub(crate) criterion: Arc<dyn Criterion>,
     sensitivity: DMatrix<f64>,
     m: DMatrix<f64>,
-    exact: f64,
+    /// The criterion at the last point, without any smoothing.
+    pub(crate) exact: f64,
     effects: Option<Discrepancies>,
 }
 
@@ -91,10 +92,8 @@ impl DesignProblem {
     /// [`ExcitationError::Joints`] if the trajectory is of another number of joints than the robot.
     pub fn information(&self, trajectory: &PeriodicTrajectory) -> Result<DMatrix<f64>, ExcitationError> {
         let n = self.robot().dof();
-        if trajectory.dof() != n {
-            return Err(ExcitationError::Joints { found: trajectory.dof(), expected: n });
-        }
-        let noise = self.objective().noise().map_or_else(|| vec![1.0; n], <[f64]>::to_vec);
+        same_joints(trajectory.dof(), n)?;
+        let noise = self.objective().noise.clone().unwrap_or_else(|| vec![1.0; n]);
         let samples = self.samples();
         let regressor = self.regressor(&smoothed_robot(self)?)?;
         let mut information = Information::new(regressor, &self.base().kept, samples, &noise, None);
@@ -108,7 +107,7 @@ impl DesignProblem {
     /// # Errors
     /// As [`Self::information`].
     pub fn bound_ratio(&self, trajectory: &PeriodicTrajectory) -> Result<Option<f64>, ExcitationError> {
-        let Some(prior) = self.objective().prior() else { return Ok(None) };
+        let Some(prior) = &self.objective().prior else { return Ok(None) };
         let after = prior + self.information(trajectory)?;
         let variances = |m: &DMatrix<f64>| m.clone().cholesky().map(|factor| factor.inverse().diagonal());
         let (Some(before), Some(after)) = (variances(prior), variances(&after)) else { return Ok(None) };
@@ -121,23 +120,13 @@ impl DesignProblem {
 }
 
 impl InformationObjective {
-    /// The criterion at the last point, without any smoothing.
-    pub const fn exact(&self) -> f64 {
-        self.exact
-    }
-
-    /// Another criterion on the same information.
-    pub(crate) fn change(&mut self, criterion: Arc<dyn Criterion>) {
-        self.criterion = criterion;
-    }
-
     /// The objective of a problem, with its criterion smoothed to `sharpness` where it has kinks.
     pub(crate) fn of(problem: &DesignProblem, sharpness: f64) -> Result<Self, ExcitationError> {
         let (n, samples, objective) = (problem.robot().dof(), problem.samples(), problem.objective());
-        let (robot, criterion, base) = (smoothed_robot(problem)?, objective.criterion(), objective.base());
-        let prior = objective.prior().filter(|_| criterion.is_weighted()).cloned();
+        let (robot, criterion, base) = (smoothed_robot(problem)?, &objective.criterion, &objective.base);
+        let prior = objective.prior.clone().filter(|_| criterion.is_weighted());
         let discrepancies = |expected| Discrepancies {
-            torques: EffectTorques::new(&robot, expected, samples, problem.space().period_s()),
+            torques: EffectTorques::new(&robot, expected, samples, problem.space().period_s),
             d: DMatrix::zeros(0, 0),
             moments: DMatrix::zeros(0, 0),
             sensitivity: DMatrix::zeros(0, 0),
@@ -157,7 +146,7 @@ impl InformationObjective {
             sensitivity: DMatrix::zeros(base.rank(), base.rank()),
             m: DMatrix::zeros(base.rank(), base.rank()),
             exact: f64::INFINITY,
-            effects: objective.expected().filter(|_| criterion.expects_effects()).map(discrepancies),
+            effects: objective.expected.as_ref().filter(|_| criterion.expects_effects()).map(discrepancies),
         })
     }
 
@@ -201,7 +190,7 @@ mod tests {
 
     fn problem(columns: Columns, kind: CriterionKind) -> DesignProblem {
         let mut problem = DesignProblem::new(chains::crs_a460(), columns, kind, DesignLimits::of_motion()).unwrap();
-        problem.set_samples(40).unwrap();
+        problem.objective.samples = 40;
         problem.set_noise(vec![0.3, 0.5, 0.2, 0.1, 0.1, 0.05]).unwrap();
         problem
     }
@@ -240,7 +229,7 @@ mod tests {
                 // All columns with one family, the rigid ones with the others.
                 let columns = if family == Family::Fourier { Columns::RIGID_ROTOR_FRICTION } else { Columns::RIGID };
                 let mut problem = problem(columns, kind);
-                problem.set_space(DesignSpace::new(family, 10.0, vec![5, 5, 5, 3, 3, 4]).unwrap()).unwrap();
+                problem.set_space(DesignSpace::new(family, 10.0, vec![5, 5, 5, 3, 3, 4])).unwrap();
                 if kind.criterion().expects_effects() {
                     problem.set_expected(expected(&problem)).unwrap();
                 }

@@ -54,8 +54,7 @@ impl Continuation {
             return Err(PlanMismatchError::Trajectory.into());
         }
         for span in layout.spans.iter().filter(|span| span.phase < Phase::Record) {
-            let found = cut.phases.iter().find(|found| found.phase == span.phase).map_or(0..0, |s| s.samples.clone());
-            let planned = span.samples.clone();
+            let (found, planned) = (cut.planned(span.phase), span.samples.clone());
             if found != planned {
                 return Err(PlanMismatchError::Span { phase: span.phase, found, planned }.into());
             }

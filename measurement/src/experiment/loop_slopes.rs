@@ -83,7 +83,7 @@ impl LoopSlopes {
                 }
                 own.iter_mut().for_each(|own| *own *= slope);
             }
-            own.iter_mut().for_each(|own| *own *= motors.per_ampere()[i]);
+            own.iter_mut().for_each(|own| *own *= motors.per_ampere[i]);
         }
         match forward {
             None => self.tau.copy_from_slice(&self.motor),

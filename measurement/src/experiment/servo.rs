@@ -282,7 +282,7 @@ mod tests {
         for robot in [hinges::single(), hinges::coupled()] {
             let n = robot.dof();
             let mut servo = servo(&robot).with_sensing(Sensing::ideal());
-            let robot = robot.with_effort(EffortInterface::Torque);
+            let robot = robot.changed(|spec| spec.effort = EffortInterface::Torque).unwrap();
             let mut servo_torque = Servo { robot: robot.clone(), ..servo.clone() };
             let (mut q, mut tau) = (Vec::new(), Vec::new());
             let mut recording = record(&mut servo_torque, &plan(n)).unwrap().0;
@@ -346,10 +346,13 @@ mod tests {
     #[test]
     fn rates_that_do_not_divide_are_refused_and_faster_servos_sample_every_so_often() {
         let robot = hinges::single();
-        let tuning = |rate_hz| ServoTuning { rate_hz, ..ServoTuning::default() };
-        let slow = servo(&robot.clone().with_servo(tuning(1500.0)));
+        let tuned = |rate_hz| {
+            let tuning = ServoTuning { rate_hz, ..ServoTuning::default() };
+            servo(&robot.clone().changed(|spec| spec.servo = Some(tuning)).unwrap())
+        };
+        let slow = tuned(1500.0);
         assert!(matches!(slow.cycle(&plan(1)), Err(ArmError::Rate { .. })));
-        let mut fast = servo(&robot.with_servo(tuning(5000.0))).with_sensing(Sensing::ideal());
+        let mut fast = tuned(5000.0).with_sensing(Sensing::ideal());
         let (recording, ending) = record(&mut fast, &plan(1)).unwrap();
         assert!(ending.is_complete());
         assert_eq!(recording.len(), plan(1).layout().unwrap().samples());

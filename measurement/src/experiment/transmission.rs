@@ -13,7 +13,8 @@ use crate::model::Robot;
 /// Maps between motor and joint quantities of one robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transmission {
-    per_ampere: Vec<f64>,
+    /// Torque of each motor per ampere, after the gear: `N Kt`, N·m/A (N/A).
+    pub per_ampere: Vec<f64>,
     /// C, where motors are coupled.
     pub(super) forward: Option<DMatrix<f64>>,
     inverse: Option<DMatrix<f64>>,
@@ -25,14 +26,6 @@ fn combine(matrix: Option<&DMatrix<f64>>, entry: impl Fn(usize, usize) -> (usize
     for (i, out) in out.iter_mut().enumerate() {
         *out = x.iter().enumerate().map(|(j, x)| matrix[entry(i, j)] * x).sum();
     }
-}
-
-fn multiply(matrix: Option<&DMatrix<f64>>, x: &[f64], out: &mut [f64]) {
-    combine(matrix, |i, j| (i, j), x, out);
-}
-
-fn multiply_transposed(matrix: Option<&DMatrix<f64>>, x: &[f64], out: &mut [f64]) {
-    combine(matrix, |i, j| (j, i), x, out);
 }
 
 impl Transmission {
@@ -47,29 +40,24 @@ impl Transmission {
         }
     }
 
-    /// Torque of each motor per ampere, after the gear: `N Kt`, N·m/A (N/A).
-    pub fn per_ampere(&self) -> &[f64] {
-        &self.per_ampere
-    }
-
     /// Motor coordinates from joint coordinates: `C q`; velocities likewise. Both of length n.
     pub fn motor_motion(&self, joints: &[f64], motors: &mut [f64]) {
-        multiply(self.forward.as_ref(), joints, motors);
+        combine(self.forward.as_ref(), |i, j| (i, j), joints, motors);
     }
 
     /// Joint coordinates from motor coordinates: `C⁻¹ q_motor`. Both of length n.
     pub fn joint_motion(&self, motors: &[f64], joints: &mut [f64]) {
-        multiply(self.inverse.as_ref(), motors, joints);
+        combine(self.inverse.as_ref(), |i, j| (i, j), motors, joints);
     }
 
     /// Joint torques from motor torques: `Cᵀ τ_motor`, N·m (N). Both of length n.
     pub fn joint_torque(&self, motors: &[f64], joints: &mut [f64]) {
-        multiply_transposed(self.forward.as_ref(), motors, joints);
+        combine(self.forward.as_ref(), |i, j| (j, i), motors, joints);
     }
 
     /// Motor torques from joint torques: `C⁻ᵀ τ`, N·m (N). Both of length n.
     pub fn motor_torque(&self, joints: &[f64], motors: &mut [f64]) {
-        multiply_transposed(self.inverse.as_ref(), joints, motors);
+        combine(self.inverse.as_ref(), |i, j| (j, i), joints, motors);
     }
 
     /// Inertia that each motor sees while the other motors stand still: the diagonal of `C⁻ᵀ H C⁻¹`, kg·m².

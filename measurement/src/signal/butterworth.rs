@@ -35,7 +35,7 @@ struct Section {
 pub struct Butterworth {
     sections: Vec<Section>,
     order: usize,
-    cutoff_hz: f64,
+    pub(super) cutoff_hz: f64,
     rate_hz: f64,
     radius: f64,
 }
@@ -71,16 +71,6 @@ impl Butterworth {
             radius = radius.max(a.abs());
         }
         Ok(Self { sections, order, cutoff_hz, rate_hz, radius })
-    }
-
-    /// Order of one pass.
-    pub fn order(&self) -> usize {
-        self.order
-    }
-
-    /// Frequency at which one pass has lost 3 dB, Hz.
-    pub fn cutoff_hz(&self) -> f64 {
-        self.cutoff_hz
     }
 
     /// `|H(f)|²` at `f` Hz: the power gain of one pass, and the amplitude gain of both.

@@ -68,11 +68,6 @@ impl HarmonicSeries {
         self.lines.len().saturating_sub(1)
     }
 
-    /// Amplitude of harmonic `h`, in the unit of the signal; zero beyond the highest.
-    pub fn amplitude(&self, h: usize) -> f64 {
-        self.lines.get(h).map_or(0.0, |line| line.norm())
-    }
-
     /// Returns this series without what is above harmonic `h`.
     #[must_use]
     pub fn up_to(mut self, h: usize) -> Self {

@@ -172,7 +172,7 @@ impl LowPass {
         match self {
             Self::None => None,
             Self::Harmonics(last) => Some(*last as f64 * spacing_hz),
-            Self::Butterworth(filter) => Some(filter.cutoff_hz()),
+            Self::Butterworth(filter) => Some(filter.cutoff_hz),
         }
     }
 

@@ -186,17 +186,6 @@ impl Robot {
         &self.spec.points
     }
 
-    /// Returns this robot with these named points.
-    ///
-    /// # Panics
-    /// If a point is on a link that does not exist.
-    #[must_use]
-    pub fn with_points(mut self, points: Vec<NamedPoint>) -> Self {
-        assert!(points.iter().all(|point| point.link <= self.dof()), "every point is on a link of the robot");
-        self.spec.points = points;
-        self
-    }
-
     /// Name of a link: that of the joint which moves it, or "base" for link 0.
     pub fn link_name(&self, link: usize) -> &str {
         if link == 0 { "base" } else { &self.spec.joints[link - 1].name }
@@ -221,14 +210,6 @@ impl Robot {
     pub fn with_obstacle(mut self, obstacle: Obstacle) -> Self {
         self.spec.obstacles.push(obstacle);
         self
-    }
-
-    /// Returns this robot with other shapes of its links, and other pairs of links (0 is the base, the lower first) that may touch.
-    ///
-    /// # Errors
-    /// [`RobotError`] if a shape is not possible, or a link does not exist.
-    pub fn with_shapes(self, shapes: Vec<Shape>, may_touch: Vec<(usize, usize)>) -> Result<Self, RobotError> {
-        Self::new(RobotSpec { shapes, may_touch, ..self.spec })
     }
 
     /// What its controller reports as effort.
@@ -259,31 +240,21 @@ impl Robot {
         self
     }
 
-    /// Returns this robot with another effort interface.
-    #[must_use]
-    pub fn with_effort(mut self, effort: EffortInterface) -> Self {
-        self.spec.effort = effort;
-        self
-    }
-
-    /// Returns this robot with another tuning of its servo.
-    #[must_use]
-    pub fn with_servo(mut self, servo: ServoTuning) -> Self {
-        self.spec.servo = Some(servo);
-        self
+    /// Returns this robot with something else about it.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn changed(mut self, change: impl FnOnce(&mut RobotSpec)) -> Result<Self, RobotError> {
+        change(&mut self.spec);
+        Self::new(self.spec)
     }
 
     /// Returns this robot with every joint changed, as for other limits or another friction law.
     ///
     /// # Errors
     /// [`RobotError`] if a joint is no longer possible.
-    pub fn with_joints(mut self, mut change: impl FnMut(&mut Joint)) -> Result<Self, RobotError> {
-        for joint in &mut self.spec.joints {
-            change(joint);
-            check_joint(joint)?;
-        }
-        self.axes = self.spec.joints.iter().map(Joint::axis).collect();
-        Ok(self)
+    pub fn with_joints(self, change: impl FnMut(&mut Joint)) -> Result<Self, RobotError> {
+        self.changed(|spec| spec.joints.iter_mut().for_each(change))
     }
 
     /// Pose of every link's frame in the base frame at joint coordinates `q` (n).

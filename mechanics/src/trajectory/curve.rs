@@ -31,7 +31,7 @@ impl Curve {
         match self {
             Self::Trigonometric(wave) => wave.maximum(),
             Self::Mixed(wave, polynomial) => mixed_maximum(wave, polynomial),
-            Self::Piecewise(pieces) => pieces.maximum(),
+            Self::Piecewise(pieces) => pieces.extremum(1.0),
         }
     }
 
@@ -43,7 +43,7 @@ impl Curve {
                 let polynomial: Vec<f64> = polynomial.iter().map(|c| -c).collect();
                 mixed_maximum(&wave.negated(), &polynomial).negated()
             }
-            Self::Piecewise(pieces) => pieces.minimum(),
+            Self::Piecewise(pieces) => pieces.extremum(-1.0),
         }
     }
 

@@ -100,7 +100,7 @@ impl FourierTrajectory {
     /// The derivative of any order of joint `index`'s position over the phase ωt.
     pub(super) fn wave(&self, index: usize, order: usize) -> TrigonometricPolynomial {
         let FourierJoint { a, b, q0, .. } = &self.joints[index];
-        let frequency = self.frequencies();
+        let frequency: Vec<f64> = (1..=self.harmonics()).map(|l| l as f64 * self.omega()).collect();
         let turned = |values: &[f64], sign: f64| -> Vec<f64> {
             values
                 .iter()
@@ -125,11 +125,6 @@ impl FourierTrajectory {
     /// `count` samples of one period, at `t_k = k T / count`.
     pub fn sample(&self, count: usize) -> States {
         Trajectory::sample(self, count)
-    }
-
-    /// Angular frequency of each harmonic, rad/s.
-    fn frequencies(&self) -> Vec<f64> {
-        (1..=self.harmonics()).map(|l| l as f64 * self.omega()).collect()
     }
 }
 

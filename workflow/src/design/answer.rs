@@ -126,7 +126,7 @@ impl DesignAnswer {
     /// Names of the effects that the criterion expects; `None` of one that expects none.
     fn expected_effects(&self) -> Option<Vec<&str>> {
         let objective = self.problem.objective();
-        let expected = objective.expected().filter(|_| objective.criterion().expects_effects())?;
+        let expected = objective.expected.as_ref().filter(|_| objective.criterion.expects_effects())?;
         Some(expected.effects.iter().map(|effect| effect.name.as_str()).collect())
     }
 
@@ -155,8 +155,8 @@ impl Serialize for DesignAnswer {
             "remarks": self.remarks,
             "collision_shapes": self.clearance(),
             "criterion": best.criterion,
-            "columns": self.problem.objective().columns().to_string(),
-            "family": self.problem.space().family().name(),
+            "columns": self.problem.objective().columns.to_string(),
+            "family": self.problem.space().family.name(),
             "seed": self.seed,
             "value": best.value,
             "expected": self.expected_effects(),

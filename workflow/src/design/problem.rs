@@ -42,7 +42,7 @@ pub(super) fn problem(loaded: &LoadedRobot, settings: &DesignSettings) -> Result
         declare_use(&**criterion, settings, loaded, &mut problem)?;
     }
     if !settings.prior.is_empty() {
-        let criterion = problem.objective().criterion();
+        let criterion = &problem.objective().criterion;
         if !criterion.is_weighted() {
             let message = format!(
                 "earlier estimates with criterion {}, expected one of the information: d-optimal, a-optimal, e-optimal, \
@@ -74,14 +74,14 @@ fn space(settings: &DesignSettings, robot: &Robot) -> Result<DesignSpace, Error>
         [every] => vec![*every; robot.dof()],
         each => each.to_vec(),
     };
-    let mut space = DesignSpace::new(settings.family, settings.period_s, harmonics).map_err(Error::of)?;
+    let mut space = DesignSpace::new(settings.family, settings.period_s, harmonics);
     for (name, place) in &settings.frozen {
         let names: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
         let Some(index) = names.iter().position(|known| known == name) else {
             let message = format!("the joint to hold still is \"{name}\", expected one of {}", names.join(", "));
             return Err(Error::new(message));
         };
-        space = space.with_frozen(index, *place).map_err(Error::of)?;
+        space.frozen[index] = Some(*place);
     }
     Ok(space)
 }

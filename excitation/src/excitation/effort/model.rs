@@ -172,7 +172,7 @@ impl EffortModel {
     }
 
     /// Adds `scale · ∂(sign · value + spread)/∂(q, q̇, q̈)` of the last channel to the slopes, n each.
-    pub(super) fn slopes(&mut self, channel: &Channel, sign: f64, scale: f64, slopes: &mut [Vec<f64>; 3]) {
+    pub(super) fn slopes(&mut self, channel: &Channel, sign: f64, scale: f64, slopes: [&mut [f64]; 3]) {
         let Load { spread, .. } = self.load(channel);
         self.fill_row(channel);
         let p = self.phi.len();

@@ -98,7 +98,7 @@ impl EffectTorques {
     pub fn evaluate(&mut self, states: &States) -> DMatrix<f64> {
         assert_eq!(states.len(), self.samples, "samples of the motion");
         let n = self.regressor.rows();
-        self.find_torques(states);
+        (self.torque, self.load) = self.torques(states);
         let effects = self.effects();
         let mut d = DMatrix::zeros(n * self.samples, effects.last().map_or(0, |last| last.end));
         let mut terms = self.terms.iter();
@@ -115,11 +115,8 @@ impl EffectTorques {
                     let of_links = self.behind(states, compliance);
                     let (torque, load) = self.torques(&of_links);
                     for (row, out) in column.iter_mut().enumerate() {
-                        *out = if with_link[row % n] {
-                            torque[row] - self.torque[row]
-                        } else {
-                            load[row] - self.load[row]
-                        };
+                        let whole = torque[row] - self.torque[row];
+                        *out = if with_link[row % n] { whole } else { load[row] - self.load[row] };
                     }
                 }
                 EffectLaw::Late(time) => {
@@ -140,7 +137,7 @@ impl EffectTorques {
     /// Adds the gradient of `Σ u ∘ d` with respect to the states of the last evaluation, which must be handed in again; `u`
     /// has the shape of d.
     pub fn pull_back(&self, states: &States, u: &DMatrix<f64>, slopes: &mut States) {
-        let (n, p) = (self.regressor.rows(), self.regressor.cols());
+        let n = self.regressor.rows();
         // What the torque of all parameters, and of the links, is weighted by.
         let (mut by_torque, mut by_load) = (vec![0.0; n * self.samples], vec![0.0; n * self.samples]);
         let mut terms = self.terms.iter();
@@ -210,7 +207,6 @@ impl EffectTorques {
                 }
             }
         }
-        debug_assert_eq!(p, self.phi.len());
         self.add_adjoint(states, &by_torque, &by_load, slopes);
     }
 
@@ -227,11 +223,6 @@ impl EffectTorques {
         let second = self.derivative.of(&rate);
         let less = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x - y).collect();
         States { dof: n, q: less(&states.q, &bend), qd: less(&states.qd, &rate), qdd: less(&states.qdd, &second) }
-    }
-
-    fn find_torques(&mut self, states: &States) {
-        let (torque, load) = self.torques(states);
-        (self.torque, self.load) = (torque, load);
     }
 
     /// Torque by all parameters and by those of the links, N × n.

@@ -19,7 +19,6 @@ use crate::excitation::start::series_start;
 use crate::model::{Columns, ReferenceUnits, Robot};
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
-use crate::spatial::Inertia;
 use crate::trajectory::{Family, PeriodicTrajectory, Timeline};
 
 /// A design problem: a robot, the space of trajectories, the limits to hold, the objective, and the budget of the search.
@@ -32,9 +31,10 @@ use crate::trajectory::{Family, PeriodicTrajectory, Timeline};
 /// let limits = DesignLimits::of_motion();
 /// let mut problem = DesignProblem::new(robot, Columns::RIGID_ROTOR_FRICTION, CriterionKind::Condition, limits).unwrap();
 /// assert_eq!(problem.base().rank(), 58);
-/// assert_eq!((problem.space().period_s(), problem.space().harmonics()[0]), (10.0, 5));
+/// assert_eq!((problem.space().period_s, problem.space().harmonics[0]), (10.0, 5));
 /// problem.set_budget(DesignBudget { evaluations: 60, ..DesignBudget::default() }).unwrap();
-/// let held_still = problem.space().clone().with_frozen(3, 0.2).unwrap();
+/// let mut held_still = problem.space().clone();
+/// held_still.frozen[3] = Some(0.2);
 /// problem.set_space(held_still).unwrap();
 /// // Friction of a joint at rest is not revealed.
 /// assert!(problem.base().rank() < 58);
@@ -48,7 +48,7 @@ pub struct DesignProblem {
     limits: DesignLimits,
     /// The robot with position limits that keep the margin from its own.
     pub(crate) inner_robot: Robot,
-    objective: DesignObjective,
+    pub(crate) objective: DesignObjective,
     budget: DesignBudget,
 }
 
@@ -74,7 +74,7 @@ impl DesignProblem {
         limits: DesignLimits,
     ) -> Result<Self, ExcitationError> {
         let objective = DesignObjective::new(&robot, columns, criterion.into())?;
-        let space = DesignSpace::new(Family::Fourier, PERIOD_S, vec![HARMONICS; robot.dof()])?;
+        let space = DesignSpace::new(Family::Fourier, PERIOD_S, vec![HARMONICS; robot.dof()]);
         let basis = MotionBasis::new(&robot, &space)?;
         let inner_robot = limits.inner_robot(&robot)?;
         let mut problem = Self { robot, space, basis, limits, inner_robot, objective, budget: DesignBudget::default() };
@@ -91,7 +91,7 @@ impl DesignProblem {
     /// was.
     pub fn set_space(&mut self, space: DesignSpace) -> Result<(), ExcitationError> {
         let basis = MotionBasis::new(&self.robot, &space)?;
-        let objective = if space.frozen() == self.space.frozen() {
+        let objective = if space.frozen == self.space.frozen {
             self.objective.clone()
         } else {
             self.objective.in_space(&self.robot, &space)?
@@ -112,7 +112,7 @@ impl DesignProblem {
         self.inner_robot = limits.inner_robot(&self.robot)?;
         self.limits = limits;
         // Nothing else that a criterion is told depends on the nominal parameters.
-        if self.objective.columns().beyond_motion().is_some() { self.declare() } else { Ok(()) }
+        if self.objective.columns.beyond_motion().is_some() { self.declare() } else { Ok(()) }
     }
 
     /// The regressor of a robot, this one or one like it; friction of the load by the nominal parameters.
@@ -120,7 +120,7 @@ impl DesignProblem {
     /// # Errors
     /// [`ExcitationError::Columns`] where a column depends on more than the motion and there are no nominal parameters.
     pub fn regressor(&self, robot: &Robot) -> Result<JointTorqueRegressor, ExcitationError> {
-        let columns = self.objective.columns();
+        let columns = self.objective.columns;
         columns.check_estimable()?;
         Ok(match &self.limits.nominal {
             Some(nominal) => JointTorqueRegressor::with_load(robot, columns, nominal),
@@ -131,7 +131,7 @@ impl DesignProblem {
     /// Tells the criterion what the estimate is for.
     fn declare(&mut self) -> Result<(), ExcitationError> {
         // Nominal parameters may be said later.
-        if self.objective.columns().beyond_motion().is_some() && self.limits.nominal.is_none() {
+        if self.objective.columns.beyond_motion().is_some() && self.limits.nominal.is_none() {
             return Ok(());
         }
         let regressor = self.regressor(&self.robot)?;
@@ -146,16 +146,6 @@ impl DesignProblem {
         at_least_one("evaluations", budget.evaluations)?;
         at_least_one("certificate samples", budget.certificate_samples)?;
         self.budget = budget;
-        Ok(())
-    }
-
-    /// Takes the criterion on at least this many samples of one period.
-    ///
-    /// # Errors
-    /// [`ExcitationError::TooFew`] of none.
-    pub fn set_samples(&mut self, samples: usize) -> Result<(), ExcitationError> {
-        at_least_one("samples", samples)?;
-        self.objective.samples = samples;
         Ok(())
     }
 
@@ -272,7 +262,7 @@ impl DesignProblem {
 
     /// The base parameters that the joints which move can show.
     pub const fn base(&self) -> &BaseReduction {
-        self.objective.base()
+        &self.objective.base
     }
 
     /// How long the search may take.
@@ -292,7 +282,7 @@ impl DesignProblem {
     /// # Errors
     /// [`ExcitationError`] if no joint has a harmonic.
     pub fn start(&self, seed: Seed, index: u64) -> Result<PeriodicTrajectory, ExcitationError> {
-        let series = series_start(&self.robot, self.space.period_s(), self.space.harmonics(), seed, index)?;
+        let series = series_start(&self.robot, self.space.period_s, &self.space.harmonics, seed, index)?;
         Ok(self.basis.trajectory(&self.basis.nearest(&series)?))
     }
 
@@ -311,9 +301,7 @@ impl DesignProblem {
     pub fn payload_efforts(&self) -> Option<EffortModel> {
         let DesignLimits { nominal, payload, spread, .. } = &self.limits;
         let (mut loaded, payload) = (nominal.clone()?, payload.as_ref()?);
-        let last = loaded.links.last_mut()?;
-        let (own, more) = (last.to_array(), payload.to_array());
-        *last = Inertia::from_array(&std::array::from_fn(|k| own[k] + more[k]));
+        *loaded.links.last_mut()? += *payload;
         Some(EffortModel::new(&self.robot, &loaded, spread.as_ref()))
     }
 
@@ -335,8 +323,8 @@ mod tests {
         let mut problem =
             DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::DOptimal, DesignLimits::of_motion())
                 .unwrap();
-        problem.set_space(DesignSpace::new(family, 10.0, vec![5, 5, 5, 3, 3, 3]).unwrap()).unwrap();
-        problem.set_samples(60).unwrap();
+        problem.set_space(DesignSpace::new(family, 10.0, vec![5, 5, 5, 3, 3, 3])).unwrap();
+        problem.objective.samples = 60;
         problem.set_budget(DesignBudget { evaluations: evaluations, ..DesignBudget::default() }).unwrap();
         problem
     }
@@ -371,11 +359,12 @@ mod tests {
             DesignLimits::of_motion(),
         )
         .unwrap();
-        problem.set_samples(60).unwrap();
+        problem.objective.samples = 60;
         problem.set_budget(DesignBudget { evaluations: 40, ..DesignBudget::default() }).unwrap();
         let all = problem.base().rank();
         let space = problem.space().clone();
-        problem.set_space(space.with_frozen(3, 0.2).unwrap().with_frozen(5, -0.1).unwrap()).unwrap();
+        let frozen = vec![None, None, None, Some(0.2), None, Some(-0.1)];
+        problem.set_space(DesignSpace { frozen, ..space }).unwrap();
         // The bodies still show in the torque of the joints at rest; their viscous and Coulomb friction does not.
         assert!(problem.base().rank() <= all - 4, "{} of {all}", problem.base().rank());
         assert!(problem.base().names().iter().all(|name| !["Fv4", "Fc4", "Fv6", "Fc6"].contains(&name.as_str())));
@@ -384,9 +373,11 @@ mod tests {
         let states = made.trajectory.sample(50);
         assert!((0..50).all(|k| states.q(k)[3] == 0.2 && states.q(k)[5] == -0.1 && states.qd(k)[3] == 0.0));
         let before = problem.space().clone();
-        let error = problem.set_space(before.clone().with_frozen(3, 9.0).unwrap()).unwrap_err();
+        let mut outside = before.clone();
+        outside.frozen[3] = Some(9.0);
+        let error = problem.set_space(outside).unwrap_err();
         assert!(error.to_string().contains("frozen position of joint"), "{error}");
-        assert_eq!(problem.space().frozen(), before.frozen());
+        assert_eq!(problem.space().frozen, before.frozen);
     }
 
     #[test]
@@ -399,7 +390,7 @@ mod tests {
         // 500 equations of each joint: what such an experiment contains in all.
         let alone = problem.clone();
         problem.set_collected(&(&m * (6.0 * 500.0)), &noise, 500).unwrap();
-        let prior = problem.objective().prior().unwrap().clone();
+        let prior = problem.objective().prior.as_ref().unwrap().clone();
         assert!((&prior - &m).norm() < 1e-12 * m.norm());
         let mut objective = crate::excitation::InformationObjective::of(&problem, 4.0).unwrap();
         let x = problem.basis().coefficients(&start).unwrap();

@@ -97,7 +97,7 @@ impl ActualArm {
     fn elastic_law(&self, robot: &Robot) -> EffectLaw {
         let give = |coupling: &Coupling| match coupling {
             Coupling::Rigid => 0.0,
-            Coupling::TwoMasses(spring) | Coupling::QuasiStatic(spring) => 1.0 / spring.stiffness(),
+            Coupling::TwoMasses(spring) | Coupling::QuasiStatic(spring) => 1.0 / spring.stiffness,
         };
         let of_motors = DMatrix::from_diagonal(&nalgebra::DVector::from_iterator(
             self.couplings.len(),

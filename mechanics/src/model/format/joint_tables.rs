@@ -58,6 +58,15 @@ pub(super) struct DriveTable {
     shape: BTreeMap<Spanned<String>, Number>,
 }
 
+/// The keys of one quantity, for a revolute joint and for a prismatic one, each with what stands there.
+type Keys<'a, T> = [(&'static str, &'a Option<Spanned<T>>); 2];
+
+macro_rules! keys {
+    ($table:ident, $revolute:ident, $prismatic:ident) => {
+        [(stringify!($revolute), &$table.$revolute), (stringify!($prismatic), &$table.$prismatic)]
+    };
+}
+
 /// Reads limits and drive of one joint.
 pub(super) struct JointTables<'a> {
     pub(super) check: Check<'a>,
@@ -74,8 +83,7 @@ impl JointTables<'_> {
     /// The key of a pair that fits the joint's kind; the other one is a fault.
     fn fitting<'b, T>(
         &self,
-        revolute: (&'static str, &'b Option<Spanned<T>>),
-        prismatic: (&'static str, &'b Option<Spanned<T>>),
+        [revolute, prismatic]: Keys<'b, T>,
     ) -> Result<Option<(&'static str, &'b Spanned<T>)>, FormatError> {
         let ((key, value), (wrong_key, wrong), kind) = match self.kind {
             JointKind::Revolute => (revolute, prismatic, "revolute"),
@@ -89,13 +97,8 @@ impl JointTables<'_> {
     }
 
     /// The number above zero of the key that fits; `otherwise` where it is not stated.
-    fn positive(
-        &self,
-        revolute: (&'static str, &Option<Number>),
-        prismatic: (&'static str, &Option<Number>),
-        otherwise: f64,
-    ) -> Result<f64, FormatError> {
-        let stated = self.fitting(revolute, prismatic)?;
+    fn positive(&self, keys: Keys<'_, f64>, otherwise: f64) -> Result<f64, FormatError> {
+        let stated = self.fitting(keys)?;
         stated.map_or(Ok(otherwise), |(key, number)| self.check.positive(key, number))
     }
 
@@ -105,9 +108,7 @@ impl JointTables<'_> {
         // A degree limit is converted once, here; an angle of the file is a double of its own all the way.
         let si = |value: f64| if revolute { value.to_radians() } else { value };
         let mut limits = otherwise;
-        if let Some((key, row)) =
-            self.fitting(("position_deg", &table.position_deg), ("position_m", &table.position_m))?
-        {
+        if let Some((key, row)) = self.fitting(keys!(table, position_deg, position_m))? {
             let [low, high] = self.check.numbers::<2>(key, row)?;
             if low >= high {
                 let message = format!("{key} is [{low}, {high}], expected the lower limit below the upper");
@@ -115,61 +116,42 @@ impl JointTables<'_> {
             }
             limits.position = (si(low), si(high));
         }
-        if let Some((key, x)) =
-            self.fitting(("velocity_deg_s", &table.velocity_deg_s), ("velocity_m_s", &table.velocity_m_s))?
-        {
+        if let Some((key, x)) = self.fitting(keys!(table, velocity_deg_s, velocity_m_s))? {
             limits.velocity = si(self.check.positive(key, x)?);
         }
-        limits.acceleration = self.positive(
-            ("acceleration_rad_s2", &table.acceleration_rad_s2),
-            ("acceleration_m_s2", &table.acceleration_m_s2),
-            limits.acceleration,
-        )?;
-        limits.jerk =
-            self.positive(("jerk_rad_s3", &table.jerk_rad_s3), ("jerk_m_s3", &table.jerk_m_s3), limits.jerk)?;
-        limits.torque = self.positive(("torque_nm", &table.torque_nm), ("force_n", &table.force_n), limits.torque)?;
-        limits.continuous_torque = self.positive(
-            ("continuous_torque_nm", &table.continuous_torque_nm),
-            ("continuous_force_n", &table.continuous_force_n),
-            limits.continuous_torque,
-        )?;
+        limits.acceleration =
+            self.positive(keys!(table, acceleration_rad_s2, acceleration_m_s2), limits.acceleration)?;
+        limits.jerk = self.positive(keys!(table, jerk_rad_s3, jerk_m_s3), limits.jerk)?;
+        limits.torque = self.positive(keys!(table, torque_nm, force_n), limits.torque)?;
+        limits.continuous_torque =
+            self.positive(keys!(table, continuous_torque_nm, continuous_force_n), limits.continuous_torque)?;
         Ok(limits)
     }
 
     /// The drive.
     pub(super) fn drive(&self, table: &DriveTable) -> Result<Drive, FormatError> {
         let check = self.check;
+        let lacks = |key: &str, why: &str| {
+            let message = format!("the drive of joint \"{}\" has no {key}, expected one{why}", self.name);
+            check.fault(self.at.clone(), message)
+        };
         let mut drive = Drive::ideal();
-        let gear = self.fitting(("gear", &table.gear), ("gear_rad_m", &table.gear_rad_m))?;
+        let gear = self.fitting(keys!(table, gear, gear_rad_m))?;
         let is_motor = table.torque_constant_nm_a.is_some() || table.resistance_ohm.is_some();
         match gear {
             Some((key, gear)) => drive.gear = check.positive(key, gear)?,
             None if self.gear_may_lack && !is_motor && self.effort == EffortInterface::Torque => {}
-            None => {
-                let name = self.name;
-                let message = format!("the drive of joint \"{name}\" has no gear, expected one");
-                return check.fault(self.at.clone(), message);
-            }
+            None => return lacks("gear", ""),
         }
         drive.torque_constant = match (&table.torque_constant_nm_a, self.effort) {
             (Some(x), _) => check.positive("torque_constant_nm_a", x)?,
             (None, EffortInterface::Torque) => 1.0 / drive.gear,
-            (None, EffortInterface::Current) => {
-                let name = self.name;
-                let message = format!(
-                    "the drive of joint \"{name}\" has no torque_constant_nm_a, expected one since effort is a current"
-                );
-                return check.fault(self.at.clone(), message);
-            }
+            (None, EffortInterface::Current) => return lacks("torque_constant_nm_a", " since effort is a current"),
         };
         drive.current_limit = check.positive_or("current_limit_a", &table.current_limit_a, f64::INFINITY)?;
         drive.continuous_current =
             check.positive_or("continuous_current_a", &table.continuous_current_a, f64::INFINITY)?;
-        drive.counts_per_revolution = self.positive(
-            ("counts_per_revolution", &table.counts_per_revolution),
-            ("counts_per_m", &table.counts_per_m),
-            0.0,
-        )?;
+        drive.counts_per_revolution = self.positive(keys!(table, counts_per_revolution, counts_per_m), 0.0)?;
         if let Some(x) = &table.encoder_sign {
             drive.encoder_sign = check.finite("encoder_sign", x)?;
             if ![1.0, -1.0].contains(&drive.encoder_sign) {
@@ -188,10 +170,7 @@ impl JointTables<'_> {
                 return check.fault(bits.span(), "adc_bits is given without adc_range_a, expected both or neither");
             }
         }
-        if let Some((key, x)) = self.fitting(
-            ("coulomb_velocity_rad_s", &table.coulomb_velocity_rad_s),
-            ("coulomb_velocity_m_s", &table.coulomb_velocity_m_s),
-        )? {
+        if let Some((key, x)) = self.fitting(keys!(table, coulomb_velocity_rad_s, coulomb_velocity_m_s))? {
             drive.coulomb_velocity = check.not_negative(key, x)?;
         }
         drive.shapes = read_shape_parameters(check, &table.shape)?;

@@ -43,6 +43,27 @@ impl<'a> Check<'a> {
         Err(FormatError::at(self.text, span, message))
     }
 
+    /// The place of a name among others; it must be one of them, and not have been there before.
+    pub(super) fn place(
+        &self,
+        what: &str,
+        name: &Spanned<String>,
+        names: &[&str],
+        seen: &mut [bool],
+    ) -> Result<usize, FormatError> {
+        let found = name.get_ref();
+        match names.iter().position(|known| known == found) {
+            Some(index) if std::mem::replace(&mut seen[index], true) => {
+                self.fault(name.span(), format!("{what} \"{found}\" is there twice, expected it once"))
+            }
+            Some(index) => Ok(index),
+            None => {
+                let message = format!("{what} \"{found}\" is not there, expected one of {}", quoted(names));
+                self.fault(name.span(), message)
+            }
+        }
+    }
+
     pub(super) fn finite(&self, key: &str, number: &Number) -> Result<f64, FormatError> {
         let value = *number.get_ref();
         if value.is_finite() {

@@ -236,7 +236,7 @@ impl Tree<'_> {
             }
             if let Some((link @ 1.., pose)) = carried[b] {
                 let inertia = body.inertia.as_ref().map_err(Clone::clone)?;
-                parameters.links[link - 1] = sum(&parameters.links[link - 1], &moved(inertia, &pose));
+                parameters.links[link - 1] += moved(inertia, &pose);
             }
         }
         let collisions = self.collisions(base, &carried);
@@ -344,14 +344,6 @@ pub(super) fn moved(inertia: &Inertia, pose: &Placement) -> Inertia {
     let displaced = diagonal - cross - cross.transpose() - p * p.transpose() * m;
     let rotational = r * inertia.rotational * r.transpose() + displaced;
     Inertia { mass: m, first_moment: h + p * m, rotational: (rotational + rotational.transpose()) * 0.5 }
-}
-
-fn sum(a: &Inertia, b: &Inertia) -> Inertia {
-    Inertia {
-        mass: a.mass + b.mass,
-        first_moment: a.first_moment + b.first_moment,
-        rotational: a.rotational + b.rotational,
-    }
 }
 
 #[cfg(test)]

@@ -26,7 +26,7 @@ use super::embedded_urdf::{EmbeddedTable, urdf_of};
 use super::error::FormatError;
 use super::joint_tables::{DriveTable, JointTables, LimitsTable};
 use super::point_tables::{PointTable, read_points};
-use super::reading::{Check, Number, Row, quoted, read};
+use super::reading::{Check, Number, Row, read};
 use super::robot_model::RobotModel;
 use super::servo_table::{ServoTable, read_servo};
 use super::shape_tables::{
@@ -105,16 +105,9 @@ pub(super) fn read_urdf_robot(text: &str) -> Result<RobotModel, FormatError> {
     let names: Vec<String> = spec.joints.iter().map(|joint| joint.name.clone()).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let mut stated: Vec<Option<&Spanned<JointTable>>> = vec![None; names.len()];
+    let mut seen = vec![false; names.len()];
     for table in &file.joint {
-        let name = &table.get_ref().name;
-        let Some(index) = names.iter().position(|known| known == name.get_ref()) else {
-            let message = format!("joint \"{}\" is not there, expected one of {}", name.get_ref(), quoted(&names));
-            return check.fault(name.span(), message);
-        };
-        if stated[index].replace(table).is_some() {
-            let message = format!("joint \"{}\" is there twice, expected it once", name.get_ref());
-            return check.fault(name.span(), message);
-        }
+        stated[check.place("joint", &table.get_ref().name, &names, &mut seen)?] = Some(table);
     }
     for (joint, table) in spec.joints.iter_mut().zip(&stated) {
         match table {
