@@ -115,7 +115,8 @@ fn alone() {
             let all = best(20, || regressor.stack(&samples.states)) / count as f64;
             let kept = best(20, || regressor.stack_means(&samples.states, &base.kept, 1)) / count as f64;
             let ones = vec![1.0; robot.dof()];
-            let gram = best(20, || regressor.gram(&samples.states, &base.kept, &samples.tau, &ones)) / count as f64;
+            let gram =
+                best(20, || regressor.gram(samples.states.arrays(), &base.kept, &samples.tau, &ones)) / count as f64;
             println!(
                 "{columns}: stack of {count} samples, per sample: {:.0} ns all {} columns, {:.0} ns the {} of the base, \
                  {:.0} ns their normal equations",

@@ -65,6 +65,7 @@ def main():
         "regressor, into memory that is there": (lambda: robot.regressor(q, qd, qdd, "rigid", out=out), peer_regressor),
         "gram": (lambda: robot.gram(q, qd, qdd, torque, columns="rigid"), lambda: peer_gram(torque)),
         "inverse dynamics": (lambda: robot.inverse_dynamics(q, qd, qdd, phi, "rigid"), peer_inverse),
+        "memory of the regressor, written alone": (lambda: np.empty_like(y).fill(1.0), peer_regressor),
     }
 
     def seconds(call):

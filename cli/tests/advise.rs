@@ -21,7 +21,7 @@ fn advice_on_a_urdf_names_what_it_assumed_and_its_experiment_runs() {
     let answer = json(&armid([&asked[..], &["--json"]].concat()).success());
 
     let candidates = answer["candidates"].as_array().expect("candidates");
-    assert_eq!(candidates.len(), 10, "five designs with two estimators");
+    assert_eq!(candidates.len(), 12, "six designs with two estimators");
     let median = |candidate: &serde_json::Value| candidate["error"]["median"].as_f64().expect("a median");
     assert!(candidates.windows(2).all(|pair| median(&pair[0]) <= median(&pair[1])), "the best comes first");
     let assumed: Vec<&str> = answer["assumptions"].as_array().unwrap().iter().filter_map(|one| one.as_str()).collect();

@@ -263,6 +263,15 @@ fn frozen_the_front_figures_are_drawn_from_the_numbers_beside_them() {
         succeeds(folder.path(), &["report", stored.to_str().unwrap(), "--figure", figure, "-o", "."]);
     }
     assert!(files(folder.path()) == files(&gallery));
+
+    // On paper: 88 mm wide, and a PDF beside the SVG; a legend that is too wide gets a second row.
+    let levels = gallery.join("levels.json");
+    let on_paper = ["report", levels.to_str().unwrap(), "--figure", "levels", "--paper", "column", "-o", "paper"];
+    succeeds(folder.path(), &on_paper);
+    let figure = folder.path().join("paper/levels-crs-a460-load-friction.svg");
+    let text = std::fs::read_to_string(&figure).unwrap();
+    assert!(text.contains("88.00mm") && text.contains("I-optimal") && text.contains("logarithmic"), "{text}");
+    assert!(std::fs::read(figure.with_extension("pdf")).unwrap().starts_with(b"%PDF-1.4"));
 }
 
 #[test]

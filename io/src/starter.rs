@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use armid::model::format::ChainEnds;
 use armid::model::{Joint, JointKind};
 use armid::remedy::{Remedy, Setting, Task};
+use armid::study::{AdvicePlan, DriveKind, Purpose};
 
 use crate::error::Error;
 use crate::output::{make_folder, write_text};
@@ -42,6 +43,7 @@ impl Starter {
             (name.to_owned(), text.content.to_string()),
             ("robot.toml".to_owned(), robot_file),
             ("experiment.toml".to_owned(), experiment(&loaded)),
+            ("study.toml".to_owned(), study()),
             ("log.toml".to_owned(), log(&loaded)),
             ("README.md".to_owned(), readme(&loaded, name)),
         ];
@@ -108,6 +110,13 @@ fn experiment(loaded: &LoadedRobot) -> String {
     )
 }
 
+/// Which motion and estimator, over arms around this one: what advice performs, to change and run.
+fn study() -> String {
+    let robot = "robot.toml".to_owned();
+    let (drive, purpose) = (DriveKind::Harmonic, Purpose::Torque);
+    AdvicePlan { robot, drive, purpose, periods: 5, rate_hz: 500.0, arms: 6, seed: 1 }.text()
+}
+
 fn log(loaded: &LoadedRobot) -> String {
     let n = loaded.robot.dof();
     let revolute = loaded.robot.joints().iter().all(|joint| joint.kind == JointKind::Revolute);
@@ -170,8 +179,9 @@ fn readme(loaded: &LoadedRobot, urdf: &str) -> String {
          | `{urdf}` | kinematics, limits, nominal inertias |\n\
          | `robot.toml` | what the URDF has no place for: each line `# key = ?` is a gap |\n\
          | `experiment.toml` | how often and how fast the motion is sampled |\n\
-         | `log.toml` | what the columns of the log are |\n\n\
-         `{advise}` compares motions and estimators before the arm moves.\n\n\
+         | `log.toml` | what the columns of the log are |\n\
+         | `study.toml` | a study of motions and estimators on arms around this one, for when no gap is left in `robot.toml` |\n\n\
+         `{advise}` performs such a study at once, assumes what is missing, and says which motion and estimator are best.\n\n\
          Afterwards:\n\n\
          ```sh\n{then}\n```\n",
         advise = line(Task::Advise, "robot.toml", &[(Setting::Output, "advice")]),

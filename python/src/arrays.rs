@@ -1,6 +1,5 @@
 //! Arrays of NumPy, checked before anything reads them.
 
-use armid::trajectory::States;
 use numpy::{PyReadonlyArray2, PyReadwriteArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -15,7 +14,10 @@ pub(crate) type Rows<'py> = PyReadonlyArray2<'py, f64>;
 /// `ArmidError` with the shape, or with the first value that is no finite number and where it is.
 pub(crate) fn finite<'a>(rows: &'a Rows<'_>, name: &str, dof: usize) -> PyResult<&'a [f64]> {
     let values = any(rows, name, dof)?;
-    if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+    // All at once, which is several at a time; then the first that is not.
+    if !values.iter().fold(true, |all, value| all & value.is_finite())
+        && let Some(at) = values.iter().position(|value| !value.is_finite())
+    {
         let (value, row, joint) = (values[at], at / dof, at % dof);
         return Err(unexpected(format!("{name}[{row}, {joint}] is {value}, expected a finite number")));
     }
@@ -50,14 +52,13 @@ pub(crate) fn check_lengths(arrays: &[(&str, &Rows<'_>)]) -> PyResult<()> {
     }
 }
 
-/// The states of `dof` joints.
+/// Positions, velocities and accelerations of `dof` joints, row by row.
 ///
 /// # Errors
 /// As [`finite`] and [`check_lengths`].
-pub(crate) fn states(dof: usize, [q, qd, qdd]: [&Rows<'_>; 3]) -> PyResult<States> {
+pub(crate) fn samples_of<'a>(dof: usize, [q, qd, qdd]: [&'a Rows<'_>; 3]) -> PyResult<[&'a [f64]; 3]> {
     check_lengths(&[("q", q), ("qd", qd), ("qdd", qdd)])?;
-    let of = |rows, name| finite(rows, name, dof).map(<[f64]>::to_vec);
-    Ok(States { dof, q: of(q, "q")?, qd: of(qd, "qd")?, qdd: of(qdd, "qdd")? })
+    Ok([finite(q, "q", dof)?, finite(qd, "qd", dof)?, finite(qdd, "qdd", dof)?])
 }
 
 /// Where a result of this shape goes.

@@ -8,7 +8,7 @@ use armid::regressor::JointTorqueRegressor;
 use numpy::{PyReadonlyArray1, PyReadwriteArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
-use crate::arrays::{Rows, check_lengths, finite, output, states};
+use crate::arrays::{Rows, check_lengths, finite, output, samples_of};
 use crate::fault::{raised, unexpected};
 use crate::robot::Robot;
 
@@ -54,12 +54,13 @@ pub(crate) fn regressor(
 ) -> PyResult<()> {
     let [q, qd, qdd] = &samples;
     let regressor = JointTorqueRegressor::new(&robot.loaded.robot, robot.columns(columns)?).map_err(raised)?;
-    let states = states(robot.dof(), [q, qd, qdd])?;
+    let rows = q.shape()[0];
+    let samples = samples_of(robot.dof(), [q, qd, qdd])?;
     let (n, p) = (regressor.rows(), regressor.cols());
-    let out = output(&mut out, &[states.len(), n, p])?;
+    let out = output(&mut out, &[rows, n, p])?;
     py.detach(|| {
         let all: Vec<usize> = (0..p).collect();
-        regressor.stack_rows_into(&states, &all, out);
+        regressor.stack_rows_into(samples, &all, out);
     });
     Ok(())
 }
@@ -77,7 +78,7 @@ pub(crate) fn gram(
 ) -> PyResult<()> {
     let [q, qd, qdd, tau] = &samples;
     let regressor = JointTorqueRegressor::new(&robot.loaded.robot, robot.columns(columns)?).map_err(raised)?;
-    let states = states(robot.dof(), [q, qd, qdd])?;
+    let samples = samples_of(robot.dof(), [q, qd, qdd])?;
     check_lengths(&[("q", q), ("tau", tau)])?;
     let (n, p) = (regressor.rows(), regressor.cols());
     let tau = finite(tau, "tau", n)?;
@@ -95,7 +96,7 @@ pub(crate) fn gram(
     let moment = output(&mut moment, &[p])?;
     py.detach(|| {
         let all: Vec<usize> = (0..p).collect();
-        let gram = regressor.gram(&states, &all, tau, &weights);
+        let gram = regressor.gram(samples, &all, tau, &weights);
         information.copy_from_slice(gram.information().as_slice());
         moment.copy_from_slice(gram.moment().as_slice());
     });
@@ -114,10 +115,11 @@ pub(crate) fn inverse_dynamics(
 ) -> PyResult<()> {
     let parameters = parameters(robot, columns, given.as_ref())?;
     let [q, qd, qdd] = &samples;
-    let (n, states) = (robot.dof(), states(robot.dof(), [q, qd, qdd])?);
-    let out = output(&mut out, &[states.len(), n])?;
+    let (n, rows) = (robot.dof(), q.shape()[0]);
+    let samples = samples_of(n, [q, qd, qdd])?;
+    let out = output(&mut out, &[rows, n])?;
     py.detach(|| {
-        Dynamics::new(&robot.loaded.robot, &parameters).inverse_of(&states, out);
+        Dynamics::new(&robot.loaded.robot, &parameters).inverse_of(samples, out);
     });
     Ok(())
 }

@@ -8,6 +8,7 @@ use armid::model::Columns;
 use armid::model::format::ChainEnds;
 use armid::observer::Observer;
 use armid::statistics::student_quantile;
+use armid::trajectory::States;
 use armid_io::log::{HeldOut, find};
 use armid_io::robot::ChainSource;
 use armid_io::{Error, Inputs, LogSettings, ProcessedLog, Text, estimate};
@@ -17,7 +18,7 @@ use armid_workflow::{PayloadSide, columns_of, payload as payload_of, validate as
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadwriteArrayDyn};
 use pyo3::prelude::*;
 
-use crate::arrays::{Rows, output, states};
+use crate::arrays::{Rows, output, samples_of};
 use crate::fault::{exception, raised, unexpected};
 use crate::identification::{processed, samples};
 use crate::log::Log;
@@ -106,7 +107,8 @@ pub(crate) fn predict(
     let Made { estimate, name, .. } = Made::parse(file).map_err(exception)?;
     estimate::check_robot(&estimate, &name, &robot.loaded).map_err(exception)?;
     let columns = columns_of(&estimate, &name).map_err(exception)?;
-    let states = states(robot.dof(), [q, qd, qdd])?;
+    let [q, qd, qdd] = samples_of(robot.dof(), [q, qd, qdd])?.map(<[f64]>::to_vec);
+    let states = States { dof: robot.dof(), q, qd, qdd };
     let out = output(&mut out, &[states.len(), robot.dof()])?;
     let torque = py.detach(|| {
         let regressor = estimate.regressor(&robot.loaded.robot, columns)?;

@@ -109,7 +109,8 @@ impl AdvicePlan {
     /// Estimators that are compared.
     pub const ESTIMATORS: [&'static str; 2] = ["wls", "irls-huber"];
     /// Designs that are compared: their name, criterion, and largest RMS speed as a share of the speed limits.
-    pub const DESIGNS: [(&'static str, &'static str, f64); 5] = [
+    pub const DESIGNS: [(&'static str, &'static str, f64); 6] = [
+        ("measured-torque", "measured-torque", 1.0),
         ("d-optimal", "d-optimal", 1.0),
         ("d-optimal, slower", "d-optimal", 0.4),
         ("condition", "condition", 1.0),
@@ -193,7 +194,7 @@ mod tests {
                 seed: 3,
             };
             let plan = made.plan().unwrap();
-            assert_eq!((plan.effect_sets.len(), plan.designs.len()), (4, 5));
+            assert_eq!((plan.effect_sets.len(), plan.designs.len()), (4, 6));
             assert_eq!(plan.effect_sets[0], Effects::none());
             for (set, (_, part)) in plan.effect_sets.iter().zip(AdvicePlan::LEVELS) {
                 for &kind in drive.effects() {

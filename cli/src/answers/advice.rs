@@ -36,6 +36,14 @@ pub(crate) fn advice_text(answer: &AdviceAnswer) -> String {
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         let _ = writeln!(text, "  not determined: {}{more}", named.join(", "));
     }
+    let alike = answer.candidates.iter().filter(|other| other.is_like_the_best()).count();
+    if alike > 0 {
+        let _ = writeln!(
+            text,
+            "  {alike} of {} candidates cannot be told from it (interval holds 1)",
+            answer.candidates.len()
+        );
+    }
     if !answer.limits_kept {
         text.push_str("  the motion exceeds a limit: the page shows which\n");
     }
@@ -62,7 +70,7 @@ pub(crate) fn advice_text(answer: &AdviceAnswer) -> String {
 /// A row for each candidate: over all levels, and at each.
 fn table(answer: &AdviceAnswer) -> Table {
     let levels = answer.candidates.first().map_or(&[][..], |best| &best.by_level);
-    let mut headings = "motion | estimator | #median | #5 % | #95 %".to_owned();
+    let mut headings = "motion | estimator | #median | #5 % | #95 % | #over the best, 95 %".to_owned();
     for (level, _) in levels {
         let _ = write!(headings, " | #{level}");
     }
@@ -77,6 +85,8 @@ fn row(candidate: &Candidate, levels: &[(String, Spread)]) -> Vec<String> {
     let of = &candidate.error;
     let mut cells = vec![candidate.design.clone(), candidate.estimator.clone()];
     cells.extend([of.median, of.low, of.high].map(|value| significant(value, 3)));
+    let ratio = candidate.over_best.map(|of| format!("{} to {}", significant(of.low, 3), significant(of.high, 3)));
+    cells.push(ratio.unwrap_or_else(|| "–".to_owned()));
     cells.extend(levels.iter().map(|(level, _)| {
         let found = candidate.by_level.iter().find(|(name, _)| name == level);
         found.map_or_else(|| "–".to_owned(), |(_, spread)| significant(spread.median, 3))

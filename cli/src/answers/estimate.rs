@@ -3,57 +3,67 @@
 use std::fmt::Write;
 
 use armid::estimation::{Estimate, TorqueResidual};
+use armid::number::significant;
 use armid_io::ProcessedLog;
-use armid_workflow::identification::Identified;
+use armid_workflow::identification::{Identified, grouped};
 use armid_workflow::numbers::{number, percent};
 
 use super::findings::{findings, paragraph};
 use super::verdict::verdict_text;
 use crate::terminal::{Align, Table};
 
-/// Residuals joint by joint, and in total.
-pub(crate) fn residual_table(
+/// Rows of a table of parameters that still fit on one screen with the rest.
+const SCREEN_ROWS: usize = 12;
+
+/// Residuals of all rows joint by joint, and in total; with more words also those of the rows that the fit uses.
+fn residual_table(
     joints: &[String],
     units: &[String],
-    used: &TorqueResidual,
+    fit: &TorqueResidual,
     held_out: Option<&TorqueResidual>,
+    verbose: bool,
 ) -> String {
     let mut headings = vec![
         ("joint", Align::Left),
         ("residual RMS", Align::Right),
         ("", Align::Left),
         ("of the measured", Align::Right),
-        ("on all rows", Align::Right),
     ];
-    if held_out.is_some() {
-        headings.extend([("held out", Align::Right), ("all rows of it", Align::Right)]);
+    let mut columns = vec![&fit.all];
+    if let Some(held_out) = held_out {
+        headings.push(("held out", Align::Right));
+        columns.push(&held_out.all);
+    }
+    if verbose {
+        headings.push(("rows of the fit", Align::Right));
+        columns.push(&fit.used);
+        if let Some(held_out) = held_out {
+            headings.push(("such rows held out", Align::Right));
+            columns.push(&held_out.used);
+        }
     }
     let mut table = Table::new(&headings);
     for (i, joint) in joints.iter().enumerate() {
-        let mut row = vec![joint.clone(), number(used.used.rms[i]), units[i].clone()];
-        row.extend([percent(used.used.share[i]), percent(used.all.share[i])]);
-        if let Some(held_out) = held_out {
-            row.extend([percent(held_out.used.share[i]), percent(held_out.all.share[i])]);
-        }
+        let mut row = vec![joint.clone(), significant(fit.all.rms[i], 3), units[i].clone()];
+        row.extend(columns.iter().map(|rows| percent(rows.share[i])));
         table.row(row);
     }
     let mut row = vec!["total".to_owned(), String::new(), String::new()];
-    row.extend([percent(used.used.total), percent(used.all.total)]);
-    if let Some(held_out) = held_out {
-        row.extend([percent(held_out.used.total), percent(held_out.all.total)]);
-    }
+    row.extend(columns.iter().map(|rows| percent(rows.total)));
     table.row(row);
     table.render(2)
 }
 
-/// Which rows were left out, and why; nothing where all count.
-pub(crate) fn left_out(prepared: &ProcessedLog) -> String {
+/// Which rows were left out, and what is at fault in the recordings; nothing where all count. More words say why and where.
+pub(crate) fn left_out(prepared: &ProcessedLog, verbose: bool) -> String {
     let mut text = String::new();
     for report in &prepared.reports {
-        let share = |count: &usize| format!("{:.0} %", 100.0 * (1.0 - *count as f64 / report.blocks.max(1) as f64));
-        let shares: Vec<String> = report.equations.iter().map(share).collect();
-        let slow = 100.0 * prepared.settings.processing.reversal_fraction;
-        if report.equations.iter().any(|count| *count < report.blocks) {
+        let share = |count: &usize| 100.0 * (1.0 - *count as f64 / report.blocks.max(1) as f64);
+        let shares = || report.equations.iter().map(share);
+        let (least, most) = (shares().fold(f64::INFINITY, f64::min), shares().fold(0.0, f64::max));
+        if verbose && most > 0.0 {
+            let slow = 100.0 * prepared.settings.processing.reversal_fraction;
+            let shares: Vec<String> = shares().map(|share| format!("{share:.0} %")).collect();
             let sentence = format!(
                 "{}: left out of the fit, where a joint turns round or is slower than {slow} % of its top speed, a channel is \
                  at fault or the filter has an edge: {} of the rows of its joints",
@@ -61,9 +71,14 @@ pub(crate) fn left_out(prepared: &ProcessedLog) -> String {
                 shares.join(", ")
             );
             text.push_str(&paragraph(&sentence, 2));
+        } else if most > 0.0 {
+            let sentence =
+                format!("left out of the fit: {least:.0} to {most:.0} % of the rows of a joint (`-v` says why)");
+            text.push_str(&paragraph(&sentence, 2));
         }
         for sentence in report.origin.sentences() {
-            text.push_str(&paragraph(&format!("{}: {sentence}", report.name), 2));
+            let sentence = if prepared.reports.len() > 1 { format!("{}: {sentence}", report.name) } else { sentence };
+            text.push_str(&paragraph(&sentence, 2));
         }
         if let Some(gaps) = &report.gaps {
             text.push_str(&paragraph(gaps.text().trim_end(), 2));
@@ -75,7 +90,7 @@ pub(crate) fn left_out(prepared: &ProcessedLog) -> String {
     text
 }
 
-/// An estimate with everything that is said of it.
+/// An estimate: what fits on one screen, and with more words everything that is said of it.
 pub(crate) fn estimate_text(prepared: &ProcessedLog, of: &Identified, verbose: bool) -> String {
     let Identified { estimate, used, held_out, verdict, .. } = of;
     let time = |of: fn(&armid_io::log::LogReport) -> f64| prepared.reports.iter().map(of).sum::<f64>();
@@ -95,7 +110,7 @@ pub(crate) fn estimate_text(prepared: &ProcessedLog, of: &Identified, verbose: b
     );
     let _ = writeln!(text, "\n{}", verdict_text(verdict));
     let _ = writeln!(text, "torque below {} Hz that the estimate does not explain", number(used.bandwidth_hz));
-    text += &residual_table(&prepared.joint_names(), &estimate.units, used, held_out.as_ref());
+    text += &residual_table(&prepared.joint_names(), &estimate.units, used, held_out.as_ref(), verbose);
     let sentence = format!(
         "{} s used, {} s held out, {averaged}; {} samples; condition {} ({} with columns of unit length)",
         number(time(|report| report.used_s)),
@@ -105,16 +120,22 @@ pub(crate) fn estimate_text(prepared: &ProcessedLog, of: &Identified, verbose: b
         number(estimate.condition_scaled),
     );
     let _ = write!(text, "\n{}", paragraph(&sentence, 2));
-    text += &left_out(prepared);
-    text.push('\n');
-    text += &parameters(of, verbose);
+    text += &left_out(prepared, verbose);
+    let shows_parameters = verbose || estimate.base.len() <= SCREEN_ROWS;
+    if shows_parameters {
+        text.push('\n');
+        text += &parameters(of, verbose);
+    }
     text += &servo(estimate);
+    if !verbose {
+        return text + &what_more(of, shows_parameters);
+    }
     match estimate.consistent {
         Some(true) => text.push_str("\nthe full set of parameters is physically consistent\n"),
         Some(false) => text.push_str("\nthe full set of parameters is not physically consistent\n"),
         None => {}
     }
-    if verbose && let Some(standard) = &estimate.standard {
+    if let Some(standard) = &estimate.standard {
         let mut table = Table::of("standard parameter | #value");
         for parameter in standard {
             table.row([parameter.name.clone(), format!("{:.6}", parameter.value)]);
@@ -123,6 +144,24 @@ pub(crate) fn estimate_text(prepared: &ProcessedLog, of: &Identified, verbose: b
     }
     text.push_str(&findings(&estimate.findings, verdict.groups));
     text
+}
+
+/// What the first screen leaves out, and how it is shown.
+fn what_more(Identified { estimate, verdict, .. }: &Identified, shows_parameters: bool) -> String {
+    let findings = grouped(&estimate.findings).len().saturating_sub(verdict.groups);
+    let mut more = vec![];
+    if !shows_parameters {
+        more.push(format!("all {} parameters with their intervals", estimate.base.len()));
+    }
+    match findings {
+        0 => {}
+        1 => more.push("1 more finding".to_owned()),
+        _ => more.push(format!("{findings} more findings")),
+    }
+    if more.is_empty() {
+        return String::new();
+    }
+    format!("\n{}", paragraph(&format!("{}: `armid identify -v`", more.join(", and ")), 2))
 }
 
 fn parameters(Identified { estimate, expressions, .. }: &Identified, verbose: bool) -> String {

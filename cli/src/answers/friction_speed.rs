@@ -2,6 +2,7 @@
 
 use armid::estimation::{FrictionSpeed, FrictionSpeeds, HeldOutChange, SpeedValue};
 use armid::model::Robot;
+use armid::number::significant;
 use armid_workflow::identification::hidden_speeds;
 
 use super::findings::paragraph;
@@ -16,6 +17,22 @@ pub(crate) fn change_text(change: &HeldOutChange) -> String {
     let [low, high] = change.change_ci95;
     let mean = ((1.0 + low) * (1.0 + high)).sqrt() - 1.0;
     format!("{:.1} % ({:.1} to {:.1})", 100.0 * mean, 100.0 * low, 100.0 * high)
+}
+
+/// Speeds in which Coulomb friction sets in, in a sentence.
+pub(crate) fn onset_text(speeds: &FrictionSpeeds, robot: &Robot) -> String {
+    let shown = |of: &FrictionSpeed| Some(format!("{} {}", name(robot, of), significant(of.speed?.value, 3)));
+    let shown: Vec<String> = speeds.joints.iter().filter_map(shown).collect();
+    if shown.is_empty() {
+        return String::new();
+    }
+    let of_this = if speeds.predict_better() {
+        "which the estimate takes"
+    } else {
+        "which predicts no better than the stated speeds"
+    };
+    let speeds = shown.join(", ");
+    paragraph(&format!("Coulomb friction sets in over these speeds (rad/s, m/s), {of_this}: {speeds}"), 2)
 }
 
 /// The table, and what it means; `used` says whether the estimate has these speeds.
@@ -40,7 +57,7 @@ pub(crate) fn speeds_text(speeds: &FrictionSpeeds, robot: &Robot, used: bool) ->
     for of in &speeds.joints {
         let kind = robot.joints()[of.joint - 1].kind;
         let three = |value: Option<SpeedValue>| match value {
-            Some(of) => [of.value, of.ci95[0], of.ci95[1]].map(number),
+            Some(of) => [of.value, of.ci95[0], of.ci95[1]].map(|value| significant(value, 3)),
             None => ["not shown", "–", "–"].map(str::to_owned),
         };
         let mut row = vec![name(robot, of).to_owned(), number(of.stated)];

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use armid::estimation::{EstimatorKind, candidate_terms};
+use armid::estimation::{EstimatorKind, FrictionSpeeds, candidate_terms};
 use armid::model::Columns;
 use armid_io::Error;
 use armid_io::log::HeldOut;
@@ -13,7 +13,7 @@ use serde_json::json;
 use super::drive_gains;
 use super::payload::{self, PayloadLogs};
 use crate::answers::estimate::estimate_text;
-use crate::answers::friction_speed::speeds_text;
+use crate::answers::friction_speed::{onset_text, speeds_text};
 use crate::answers::selection::selection_text;
 use crate::answers::transmission::transmission_text;
 use crate::arguments::{KnownLoadArguments, LogArguments, columns, estimator, read_parameter_map};
@@ -172,7 +172,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let said = answer.estimates.iter().map(|of| estimate_text(&answer.log, of, console.verbose()));
     let mut text: String = said.collect();
     text += &answer.selection.as_ref().map(selection_text).unwrap_or_default();
-    text += &answer.onset.as_ref().map(|onset| speeds_text(onset, robot, onset.predict_better())).unwrap_or_default();
+    let in_full = console.verbose() || arguments.onset_speed.is_some();
+    let said = |onset: &FrictionSpeeds| {
+        if in_full { speeds_text(onset, robot, onset.predict_better()) } else { onset_text(onset, robot) }
+    };
+    text += &answer.onset.as_ref().map(said).unwrap_or_default();
     text += &answer.speeds.as_ref().map(|speeds| speeds_text(speeds, robot, true)).unwrap_or_default();
     text += &answer.transmissions.as_deref().map(transmission_text).unwrap_or_default();
     console.deliver_json(&Answer { text, json })?;

@@ -31,7 +31,7 @@ Examples:
   armid report --compare simulated measured -o page
   armid report reports/06-ten-times reports/06-two-robots/puma-560 --figure criteria -o figure
   armid report reports/gallery/readme/criteria.json --figure criteria -o figure
-  armid report reports/06-levels --figure levels -o figure";
+  armid report reports/06-levels --figure levels --paper column -o figure";
 
 /// Draw the page of an estimate, or regenerate the report of a stored study
 #[derive(Debug, clap::Args)]
@@ -50,7 +50,7 @@ pub(crate) struct Arguments {
     #[arg(long, conflicts_with_all = ["compare", "robot"])]
     figure: Option<Figure>,
     /// Draw figures for a journal, as SVG and PDF
-    #[arg(long, conflicts_with = "figure", value_name = "WIDTH")]
+    #[arg(long, value_name = "WIDTH")]
     paper: Option<Paper>,
     #[command(flatten)]
     chain: ChainArguments,
@@ -92,9 +92,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         let all = &arguments.folders;
         let figures = match figure {
             Figure::Criteria => {
-                vec![write_criteria(folder, &numbers(all, "criteria", |study| vec![CriterionRatios::of(study)])?)?]
+                let numbers = numbers(all, "criteria", |study| vec![CriterionRatios::of(study)])?;
+                vec![write_criteria(folder, &numbers, sheet)?]
             }
-            Figure::Levels => write_levels(folder, &numbers(all, "levels", EffectLevels::of)?)?,
+            Figure::Levels => write_levels(folder, &numbers(all, "levels", EffectLevels::of)?, sheet)?,
         };
         let figures: Vec<String> = figures.iter().map(|figure| figure.display().to_string()).collect();
         console.show(&Answer { text: figures.join("\n") + "\n", json: json!({ "figures": figures }) })?;

@@ -55,12 +55,12 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         let inputs = [inputs.as_ref(), Some(&now)];
         (validate((&estimates, name), &log, inputs, limit, &watch)?, log)
     };
-    let text = answer.verdicts.iter().map(|verdict| verdict_text(verdict, &log)).collect();
+    let text = answer.verdicts.iter().map(|verdict| verdict_text(verdict, &log, console.verbose())).collect();
     console.answer(&Answer { text, json: serde_json::to_value(&answer).map_err(Error::of)? })?;
     Ok(if answer.passed() { Ending::Done } else { Ending::Negative })
 }
 
-fn verdict_text(of: &ValidationVerdict, log: &ProcessedLog) -> String {
+fn verdict_text(of: &ValidationVerdict, log: &ProcessedLog, verbose: bool) -> String {
     let mut text = format!("{} by {}: {} (limit {} %)\n\n", of.recording, of.by, of.verdict, number(100.0 * of.limit));
     for remark in &of.remarks {
         let _ = writeln!(text, "{}", paragraph(remark, 2));
@@ -82,6 +82,6 @@ fn verdict_text(of: &ValidationVerdict, log: &ProcessedLog) -> String {
     let total = [percent(residual.used.total), percent(residual.all.total)];
     table.row(["total", "", "", "", "", &total[0], &total[1]]);
     let bandwidth = number(residual.bandwidth_hz);
-    let _ = write!(text, "{}\n  the bandwidth is {bandwidth} Hz\n{}", table.render(2), left_out(log));
+    let _ = write!(text, "{}\n  the bandwidth is {bandwidth} Hz\n{}", table.render(2), left_out(log, verbose));
     text
 }

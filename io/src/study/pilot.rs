@@ -65,6 +65,8 @@ pub struct RunValue {
     pub condition: String,
     /// Name of the estimator.
     pub estimator: String,
+    /// Number of the run; runs of one number have one noise and, in studies of drawn arms, one arm.
+    pub run: usize,
     /// The metric; `None` where the run gave none.
     pub value: Option<f64>,
 }
@@ -75,10 +77,11 @@ pub struct RunValue {
 /// [`Error`] where the rows cannot be read.
 pub fn run_values(folder: &Path, metric: Metric) -> Result<Vec<RunValue>, Error> {
     let mut all = Vec::new();
-    rows(&folder.join("runs.parquet"), &["family", "condition", "estimator", column(metric)], |row| {
+    rows(&folder.join("runs.parquet"), &["family", "condition", "estimator", "run", column(metric)], |row| {
         let [family, condition, estimator] = [0, 1, 2].map(|k| text(&row[k]).unwrap_or_default().to_owned());
-        let value = if let Field::Double(value) = row[3] { Some(value) } else { None };
-        all.push(RunValue { family, condition, estimator, value });
+        let run = if let Field::Long(run) = row[3] { usize::try_from(run).unwrap_or_default() } else { 0 };
+        let value = if let Field::Double(value) = row[4] { Some(value) } else { None };
+        all.push(RunValue { family, condition, estimator, run, value });
     })?;
     Ok(all)
 }

@@ -3,10 +3,9 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::joint_frames::{JointChain, JointPose};
-use super::together::{TOGETHER, Together};
+use super::together::{TOGETHER, Together, samples_of};
 use crate::lanes::{Lane, Wide, sin_cos};
 use crate::spatial::{LaneForce, LaneMotion, sum};
-use crate::trajectory::States;
 
 /// Pose of a joint's frame, and the force that its link takes.
 pub(super) type Carried<V> = (JointPose<V>, LaneForce<V>);
@@ -47,29 +46,30 @@ pub(super) fn efforts<V: Lane>(
 }
 
 /// Efforts of many samples, N × n row-major.
-pub(super) fn efforts_of(chain: &JointChain, states: &States, tau: &mut [f64]) {
-    Arch::new().dispatch(Samples { chain, states, tau });
+pub(super) fn efforts_of(chain: &JointChain, samples: [&[f64]; 3], tau: &mut [f64]) {
+    Arch::new().dispatch(Efforts { chain, samples, tau });
 }
 
-struct Samples<'a> {
+struct Efforts<'a> {
     chain: &'a JointChain,
-    states: &'a States,
+    samples: [&'a [f64]; 3],
     tau: &'a mut [f64],
 }
 
-impl WithSimd for Samples<'_> {
+impl WithSimd for Efforts<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { chain, states, tau } = self;
-        let n = states.dof;
+        let Self { chain, samples, tau } = self;
+        let n = chain.joints.len();
         let mut state = Together::new(n);
         let mut carried = workspace(n, Wide::new(simd, simd.splat_f64s(0.0)));
         let mut found = vec![[0.0; TOGETHER]; n];
-        for first in (0..states.len()).step_by(TOGETHER) {
-            let count = TOGETHER.min(states.len() - first);
-            state.fill(states, first, 1, count);
+        let all = samples_of(n, samples);
+        for first in (0..all).step_by(TOGETHER) {
+            let count = TOGETHER.min(all - first);
+            state.fill(samples, first, 1, count);
             for vector in 0..TOGETHER / S::F64_LANES {
                 let at = |x: &[[f64; TOGETHER]], k: usize| Wide::new(simd, S::as_simd_f64s(&x[k]).0[vector]);
                 efforts(
@@ -98,6 +98,7 @@ mod tests {
     use super::*;
     use crate::chains::{self, ChainRecipe};
     use crate::seed::Seed;
+    use crate::trajectory::States;
 
     #[test]
     fn identity_one_lane_has_the_bits_of_all() {
@@ -110,8 +111,8 @@ mod tests {
             states.push(&q, &qd, &qdd);
         }
         let [mut wide, mut narrow] = [vec![0.0; 19 * 7], vec![f64::NAN; 19 * 7]];
-        efforts_of(&chain, &states, &mut wide);
-        Arch::Scalar.dispatch(Samples { chain: &chain, states: &states, tau: &mut narrow });
+        efforts_of(&chain, states.arrays(), &mut wide);
+        Arch::Scalar.dispatch(Efforts { chain: &chain, samples: states.arrays(), tau: &mut narrow });
         assert_eq!(wide, narrow);
     }
 }

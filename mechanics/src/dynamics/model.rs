@@ -10,7 +10,6 @@ use super::link_pose::LinkPose;
 use super::torque_terms::{TermState, TorqueTerms};
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::spatial::{Inertia, Motion};
-use crate::trajectory::States;
 
 /// Repetitions after which an acceleration under load-dependent friction is given up.
 const MOST_REPETITIONS: usize = 200;
@@ -121,18 +120,19 @@ impl Dynamics {
         self.add_terms(q, qd, qdd, &mut tau[..self.poses.len()]);
     }
 
-    /// Joint efforts of many samples, N × n row-major, several at once: bit by bit what [`Self::inverse`] gives of each.
+    /// Joint efforts of many samples, several at once: bit by bit what [`Self::inverse`] gives of each. `q`, `qd`, `qdd` and `tau` are
+    /// N × n row-major.
     ///
     /// # Panics
-    /// If the states are not those of n joints, or `tau` is not N·n long.
-    pub fn inverse_of(&mut self, states: &States, tau: &mut [f64]) {
+    /// If they are not as long as each other, or not those of whole samples.
+    pub fn inverse_of(&mut self, samples: [&[f64]; 3], tau: &mut [f64]) {
         let n = self.dof();
-        assert_eq!(states.dof, n, "states of {} joints, expected {n}", states.dof);
-        assert_eq!(tau.len(), states.len() * n, "one place for each effort");
-        inverse::efforts_of(&self.chain, states, tau);
+        assert_eq!(tau.len(), samples[0].len(), "one place for each effort");
+        inverse::efforts_of(&self.chain, samples, tau);
         if self.terms.acts() {
             for (k, tau) in tau.chunks_exact_mut(n).enumerate() {
-                self.add_terms(states.q(k), states.qd(k), states.qdd(k), tau);
+                let [q, qd, qdd] = samples.map(|x| &x[k * n..(k + 1) * n]);
+                self.add_terms(q, qd, qdd, tau);
             }
         }
     }
@@ -271,6 +271,7 @@ mod tests {
     use super::*;
     use crate::chains::{self, ChainRecipe};
     use crate::seed::Seed;
+    use crate::trajectory::States;
 
     #[test]
     fn identity_many_samples_have_the_bits_of_each_alone() {
@@ -289,7 +290,7 @@ mod tests {
                 states.push(&q, &qd, &qdd);
             }
             let mut all = vec![f64::NAN; states.len() * dof];
-            dynamics.inverse_of(&states, &mut all);
+            dynamics.inverse_of(states.arrays(), &mut all);
             let mut alone = vec![0.0; dof];
             for (k, found) in all.chunks_exact(dof).enumerate() {
                 dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), &mut alone);

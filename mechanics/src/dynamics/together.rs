@@ -1,9 +1,20 @@
 //! Samples that are worked on together, each in its place.
 
-use crate::trajectory::States;
-
 /// Samples, or blocks of them, that are worked on together: a whole number of lanes of any processor.
 pub(crate) const TOGETHER: usize = 8;
+
+/// How many samples of `dof` joints these positions, velocities and accelerations are, N × n each.
+///
+/// # Panics
+/// If they are not as many, or not whole samples.
+pub(crate) fn samples_of(dof: usize, samples: [&[f64]; 3]) -> usize {
+    let [q, qd, qdd] = samples.map(<[f64]>::len);
+    assert!(
+        q == qd && q == qdd && q % dof == 0,
+        "{q} positions, {qd} velocities and {qdd} accelerations, expected as many of each, for {dof} joints"
+    );
+    q / dof
+}
 
 /// One sample of each of the blocks that are worked on, joint by joint.
 pub(crate) struct Together {
@@ -20,12 +31,12 @@ impl Together {
     }
 
     /// The samples `first`, `first + step`, …, `count` of them; the last again in the places beyond.
-    pub(crate) fn fill(&mut self, states: &States, first: usize, step: usize, count: usize) {
+    pub(crate) fn fill(&mut self, samples: [&[f64]; 3], first: usize, step: usize, count: usize) {
+        let n = self.q.len();
         for lane in 0..TOGETHER {
             let k = first + lane.min(count - 1) * step;
-            for (to, from) in [(&mut self.q, states.q(k)), (&mut self.qd, states.qd(k)), (&mut self.qdd, states.qdd(k))]
-            {
-                for (to, &from) in to.iter_mut().zip(from) {
+            for (to, from) in [&mut self.q, &mut self.qd, &mut self.qdd].into_iter().zip(samples) {
+                for (to, &from) in to.iter_mut().zip(&from[k * n..(k + 1) * n]) {
                     to[lane] = from;
                 }
             }

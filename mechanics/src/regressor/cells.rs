@@ -1,4 +1,4 @@
-//! Sums of a few blocks of samples, one place for each joint and wanted column, and how they get into a stack.
+//! Sums of a few blocks of samples, one cell for each joint and wanted column, and how they get into a stack.
 
 use pulp::Simd;
 
@@ -13,59 +13,77 @@ use crate::spatial::LaneMotion;
 #[repr(align(64))]
 pub(super) struct Line(pub(super) [f64; TOGETHER]);
 
-/// Sums of the blocks that are worked on, one place for each joint and wanted column.
+/// Sums of the blocks that are worked on, one cell for each joint and wanted column.
 pub(super) struct Cells<'a> {
     regressor: &'a JointTorqueRegressor,
-    /// Of each link's ten columns, the place among the wanted, or [`UNWANTED`].
+    /// Those that are wanted.
+    columns: &'a [usize],
+    /// Of each link's ten columns, where its cells begin, or [`UNWANTED`].
     links: Vec<[usize; 10]>,
     /// Place of each of the terms' columns among the wanted.
     terms: Vec<Option<usize>>,
-    /// Number of wanted columns.
-    wanted: usize,
-    /// Row-major n × wanted.
-    sums: Vec<Line>,
+    /// Lines from a joint's cell to the next one's, and from a column's to the next one's.
+    strides: [usize; 2],
+    /// The line of each cell that is worked on.
+    pub(super) line: usize,
+    pub(super) sums: Vec<Line>,
     /// Those that links or terms add to; the others are zero for every state.
-    touched: Vec<Cell>,
+    pub(super) touched: Vec<Cell>,
     /// How many of them are in the order of columns.
     sorted: usize,
-    /// Those of terms: no link writes there first.
+    /// Those of terms, where they begin: no link writes there first.
     of_terms: Vec<bool>,
 }
 
 /// Where something is added.
 #[derive(Clone, Copy)]
-struct Cell {
+pub(super) struct Cell {
     /// The place of its column among the wanted.
-    place: usize,
-    joint: usize,
-    /// `joint · wanted + place`.
-    index: usize,
+    pub(super) place: usize,
+    pub(super) joint: usize,
+    /// Where its lines begin.
+    pub(super) index: usize,
 }
 
-/// The place of a column that is not wanted.
-const UNWANTED: usize = usize::MAX;
+/// Where a column begins that is not wanted: beyond all cells.
+const UNWANTED: usize = usize::MAX / 2;
 
 impl<'a> Cells<'a> {
-    pub(super) fn new(regressor: &'a JointTorqueRegressor, columns: &[usize]) -> Self {
-        let (n, wanted) = (regressor.rows(), columns.len());
+    /// One line each, row-major n × wanted.
+    pub(super) fn in_rows(regressor: &'a JointTorqueRegressor, columns: &'a [usize]) -> Self {
+        Self::new(regressor, columns, [columns.len(), 1], regressor.rows() * columns.len())
+    }
+
+    /// `depth` lines each, one joint after the other in each column; after the last column one more, of every joint.
+    pub(super) fn in_columns(regressor: &'a JointTorqueRegressor, columns: &'a [usize], depth: usize) -> Self {
+        let (n, last) = (regressor.rows(), columns.len());
+        // An odd distance, so that the columns do not take each other's places in the first cache.
+        let column = (n * depth) | 1;
+        let mut cells = Self::new(regressor, columns, [depth, column], column * (last + 1));
+        cells.touched.extend((0..n).map(|joint| Cell { place: last, joint, index: joint * depth + last * column }));
+        cells
+    }
+
+    fn new(regressor: &'a JointTorqueRegressor, columns: &'a [usize], strides: [usize; 2], lines: usize) -> Self {
+        let n = regressor.rows();
         let mut links = vec![[UNWANTED; 10]; n];
         let mut terms = vec![None; regressor.cols() - 10 * n];
+        let mut touched = Vec::new();
         for (place, &column) in columns.iter().enumerate() {
-            if column < 10 * n {
-                links[column / 10][column % 10] = place;
+            let link = column / 10;
+            if link < n {
+                links[link][column % 10] = place * strides[1];
             } else {
                 terms[column - 10 * n] = Some(place);
             }
+            // A link loads the joints up to its own. Which of them a term of motion alone loads is seen when it does.
+            let of_motion = if link < n { link + 1 } else { 0 };
+            let loaded = if regressor.links.is_empty() { of_motion } else { n };
+            let cell = |joint: usize| Cell { place, joint, index: joint * strides[0] + place * strides[1] };
+            touched.extend((0..loaded).map(cell));
         }
-        let mut touched = Vec::new();
-        for (k, places) in links.iter().enumerate() {
-            // A link loads the joints up to its own.
-            let places = places.iter().filter(|place| **place != UNWANTED);
-            let cell = |joint: usize, place: usize| Cell { place, joint, index: joint * wanted + place };
-            touched.extend(places.flat_map(|&place| (0..=k).map(move |joint| cell(joint, place))));
-        }
-        let (sums, of_terms) = (vec![Line([0.0; TOGETHER]); n * wanted], vec![false; n * wanted]);
-        Self { regressor, links, terms, wanted, sums, touched, sorted: 0, of_terms }
+        let (sums, of_terms) = (vec![Line([0.0; TOGETHER]); lines], vec![false; lines]);
+        Self { regressor, columns, links, terms, strides, line: 0, sums, touched, sorted: 0, of_terms }
     }
 
     /// Adds one sample of each block; the `FIRST` of them takes the place of what was there.
@@ -76,8 +94,12 @@ impl<'a> Cells<'a> {
         state: &Together,
         axes: &mut [LaneMotion<Wide<S>>],
     ) {
-        let Self { regressor, links, terms, wanted, sums, touched, of_terms, .. } = self;
-        let wanted = *wanted;
+        if !self.regressor.links.is_empty() {
+            return self.add_alone::<FIRST>(state);
+        }
+        let Self { regressor, links, terms, strides: [of_joint, of_column], line, sums, touched, of_terms, .. } = self;
+        let (of_joint, of_column) = (*of_joint, *of_column);
+        let sums = &mut sums[*line..];
         let (v, a) = regressor.base_at_rest();
         let one = Wide::new(simd, simd.splat_f64s(0.0));
         let n = regressor.rows();
@@ -93,7 +115,8 @@ impl<'a> Cells<'a> {
                 #[inline(always)]
                 |k, body, axes| {
                     let places = &links[k];
-                    for (axis, sums) in axes[..=k].iter().zip(sums.chunks_exact_mut(wanted)) {
+                    for (joint, axis) in axes[..=k].iter().enumerate() {
+                        let sums = &mut sums[joint * of_joint..];
                         // One by one, so that each entry is compiled for its column.
                         add_entry::<S, FIRST>(simd, sums, places, body, axis, 0, vector);
                         add_entry::<S, FIRST>(simd, sums, places, body, axis, 1, vector);
@@ -117,7 +140,7 @@ impl<'a> Cells<'a> {
         let flat = [&state.q, &state.qd, &state.qdd].map(|x| x.as_flattened());
         regressor.terms.each_column(flat, |joint, column, d, g: &[f64; TOGETHER]| {
             if let Some(place) = terms[column] {
-                let index = joint * wanted + place;
+                let index = joint * of_joint + place * of_column;
                 if !of_terms[index] {
                     of_terms[index] = true;
                     touched.push(Cell { place, joint, index });
@@ -131,6 +154,39 @@ impl<'a> Cells<'a> {
 }
 
 impl Cells<'_> {
+    /// [`Self::add`] sample by sample, for terms that depend on the torque that all links take.
+    fn add_alone<const FIRST: bool>(&mut self, state: &Together) {
+        let p = self.regressor.cols();
+        let mut rows = vec![0.0; self.regressor.rows() * p];
+        for lane in 0..TOGETHER {
+            let of = |x: &[[f64; TOGETHER]]| -> Vec<f64> { x.iter().map(|x| x[lane]).collect() };
+            self.regressor.evaluate(&of(&state.q), &of(&state.qd), &of(&state.qdd), &mut rows);
+            for cell in self.touched.iter().filter(|cell| cell.place < self.columns.len()) {
+                let entry = rows[cell.joint * p + self.columns[cell.place]];
+                let sum = &mut self.sums[cell.index + self.line].0[lane];
+                *sum = if FIRST { entry } else { *sum + entry };
+            }
+        }
+    }
+
+    /// All lines of the column at `place`, joint after joint.
+    #[inline(always)]
+    pub(super) fn column(&self, place: usize) -> &[Line] {
+        &self.sums[place * self.strides[1]..][..self.strides[1]]
+    }
+
+    /// Sets the line of every joint in the one column more, to the values of some samples, n each.
+    pub(super) fn put_last(&mut self, values: &[f64]) {
+        let [of_joint, of_column] = self.strides;
+        let n = self.regressor.rows();
+        for joint in 0..n {
+            let line = &mut self.sums[joint * of_joint + self.columns.len() * of_column + self.line];
+            for (to, values) in line.0.iter_mut().zip(values.chunks_exact(n)) {
+                *to = values[joint];
+            }
+        }
+    }
+
     /// From sums over blocks of so many samples to means, in the order in which they are written.
     #[inline(always)]
     pub(super) fn average(&mut self, block: usize) {
@@ -144,14 +200,6 @@ impl Cells<'_> {
             for cell in &self.touched {
                 self.sums[cell.index].0.iter_mut().for_each(|sum| *sum *= scale);
             }
-        }
-    }
-
-    /// Joint, place of the column and sums of everything that is not zero for every state.
-    #[inline(always)]
-    pub(super) fn each(&self, mut visit: impl FnMut(usize, usize, &Line)) {
-        for cell in &self.touched {
-            visit(cell.joint, cell.place, &self.sums[cell.index]);
         }
     }
 

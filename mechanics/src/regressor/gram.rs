@@ -3,118 +3,104 @@
 //! ```text
 //! WᵀW = Σ_i w_i Σ_k y_kiᵀ y_ki        Wᵀτ = Σ_i w_i Σ_k y_kiᵀ τ_ki        y_ki: row i of Y at sample k
 //! ```
-//! Joint by joint, on the columns that are not zero in its rows: a link loads the joints up to its own, so that half of the
-//! products are never made. Each entry is summed in eight running sums, sample k in sum k mod 8, the same bits on any processor.
+//! Column by column, over the joints that both columns load: a link loads the joints up to its own, so that half of the products
+//! are never made. Each entry is summed in eight running sums, sample k in sum k mod 8, the same bits on any processor.
+
+use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::cells::Line;
+use super::cells::{Cells, Line};
 use super::joint_torque::JointTorqueRegressor;
-use crate::dynamics::{States, TOGETHER};
+use crate::dynamics::{TOGETHER, samples_of};
 use crate::linalg::Gram;
 
-/// Lines of eight samples that are held of each joint and column: those of one joint fit into the first cache.
+/// Lines of eight samples that are held of each joint and column before they are multiplied.
 const DEPTH: usize = 8;
 
 impl JointTorqueRegressor {
-    /// `Σ w YᵀY`, `Σ w Yᵀτ` and `Σ w τ²` over all samples, for these columns of Y, the torque of joint i at sample k at `k n + i` of
-    /// `torque` (n·N), N·m, and one weight of each joint (n), not below zero.
+    /// `Σ w YᵀY`, `Σ w Yᵀτ` and `Σ w τ²` over all samples, for these columns of Y. `q`, `qd`, `qdd` and `torque` are N × n row-major, the
+    /// last in N·m, and there is one weight of each joint (n), not below zero.
     ///
     /// # Panics
-    /// If the states are not those of n joints, a length does not fit, or a column is beyond p.
-    pub fn gram(&self, states: &States, columns: &[usize], torque: &[f64], weights: &[f64]) -> Gram {
+    /// If the arrays are not as long as each other or not those of whole samples, there is not one weight per joint, or a column is
+    /// beyond p.
+    pub fn gram(&self, samples: [&[f64]; 3], columns: &[usize], torque: &[f64], weights: &[f64]) -> Gram {
         let n = self.rows();
-        assert_eq!(states.dof, n, "states of {} joints, expected {n}", states.dof);
-        assert_eq!(
-            (torque.len(), weights.len()),
-            (n * states.len(), n),
-            "one torque per joint and sample, one weight per joint"
-        );
-        let roots: Vec<f64> = weights.iter().map(|weight| weight.sqrt()).collect();
-        let mut panels = Panels::new(n, columns.len());
-        let put = |panels: &mut Panels, first: usize, count: usize| {
-            for (joint, root) in roots.iter().enumerate() {
-                let of_lane = |lane: usize| if lane < count { root * torque[(first + lane) * n + joint] } else { 0.0 };
-                panels.put(joint, columns.len(), Line(std::array::from_fn(of_lane)));
-            }
-            panels.next();
-        };
-        if !self.links.is_empty() {
-            self.stack_in_parts(states, columns, 1, |part| {
-                for place in 0..columns.len() {
-                    for (joint, root) in roots.iter().enumerate() {
-                        let entry =
-                            |lane: usize| part.column(place).get(lane * n + joint).map_or(0.0, |entry| root * entry);
-                        panels.put(joint, place, Line(std::array::from_fn(entry)));
-                    }
-                }
-                put(&mut panels, part.first, part.count);
-            });
-        } else {
-            self.stack_by(states, columns, 1, |cells, first, count| {
-                cells.each(|joint, place, line| {
-                    let entry = |lane: usize| if lane < count { roots[joint] * line.0[lane] } else { 0.0 };
-                    panels.put(joint, place, Line(std::array::from_fn(entry)));
-                });
-                put(&mut panels, first, count);
-            });
-        }
-        panels.finish(n * states.len())
+        let expected = (samples_of(n, samples) * n, n);
+        assert_eq!((torque.len(), weights.len()), expected, "one torque per joint and sample, one weight per joint");
+        let mut sums = Sums::new(columns.len(), weights);
+        let mut cells = Cells::in_columns(self, columns, DEPTH);
+        self.stack_by(&mut cells, samples, 1, |cells, first, count| {
+            cells.put_last(&torque[first * n..(first + count) * n]);
+            sums.take(cells, count);
+        });
+        sums.finish(cells, torque.len())
     }
 }
 
-/// Some samples of all joints, each column in one piece, and the sums over those before.
-struct Panels {
-    joints: usize,
+/// The sums over the samples so far.
+struct Sums {
     /// Columns, the torque being the last.
     width: usize,
-    /// `(joint · width + column) · DEPTH + line`.
-    held: Vec<Line>,
-    /// Lines that are held.
-    count: usize,
-    /// Which columns of which joints anything was put in: `joint · width + column`.
-    seen: Vec<bool>,
+    /// Square roots of the joints' weights.
+    roots: Vec<f64>,
+    /// From the first to the last joint that each column was seen to load.
+    spans: Vec<Range<usize>>,
     /// `row · width + column`, upper triangle.
     sums: Vec<Line>,
 }
 
-impl Panels {
-    fn new(joints: usize, columns: usize) -> Self {
+impl Sums {
+    fn new(columns: usize, weights: &[f64]) -> Self {
         let (width, zero) = (columns + 1, Line([0.0; TOGETHER]));
-        let held = vec![zero; joints * width * DEPTH];
-        Self { joints, width, held, count: 0, seen: vec![false; joints * width], sums: vec![zero; width * width] }
+        let roots = weights.iter().map(|weight| weight.sqrt()).collect();
+        Self { width, roots, spans: vec![0..0; width], sums: vec![zero; width * width] }
     }
 
-    /// Eight samples of one column of one joint.
-    #[inline(always)]
-    fn put(&mut self, joint: usize, column: usize, line: Line) {
-        let at = joint * self.width + column;
-        self.seen[at] = true;
-        self.held[at * DEPTH + self.count] = line;
-    }
-
-    /// The next eight samples.
-    fn next(&mut self) {
-        self.count += 1;
-        if self.count == DEPTH {
-            self.sum();
+    /// The line of every cell, of which `count` samples are there.
+    fn take(&mut self, cells: &mut Cells<'_>, count: usize) {
+        if count < TOGETHER {
+            for cell in &cells.touched {
+                cells.sums[cell.index + cells.line].0[count..].fill(0.0);
+            }
+        }
+        cells.line += 1;
+        if cells.line == DEPTH {
+            self.add(cells);
         }
     }
 
-    fn sum(&mut self) {
-        for joint in 0..self.joints {
-            let own = joint * self.width..(joint + 1) * self.width;
-            let columns: Vec<usize> = (0..self.width).filter(|column| self.seen[own.start + column]).collect();
-            let held = &self.held[own.start * DEPTH..own.end * DEPTH];
-            Arch::new().dispatch(Products { columns: &columns, held, width: self.width, sums: &mut self.sums });
+    /// Adds the products of all lines.
+    fn add(&mut self, cells: &mut Cells<'_>) {
+        for cell in &cells.touched {
+            let lines = &mut cells.sums[cell.index..][..DEPTH];
+            lines[cells.line..].fill(Line([0.0; TOGETHER]));
+            let root = self.roots[cell.joint];
+            if root != 1.0 {
+                lines.iter_mut().flat_map(|line| &mut line.0).for_each(|entry| *entry *= root);
+            }
+            let (joint, span) = (cell.joint, &mut self.spans[cell.place]);
+            if !span.contains(&joint) && lines.iter().any(|line| line.0 != [0.0; TOGETHER]) {
+                *span = if span.start == span.end {
+                    joint..joint + 1
+                } else {
+                    span.start.min(joint)..span.end.max(joint + 1)
+                };
+            }
         }
-        self.held.fill(Line([0.0; TOGETHER]));
-        self.count = 0;
+        cells.line = 0;
+        let spans = self.spans.iter().enumerate().filter(|(_, span)| !span.is_empty());
+        let run = |(place, span): (usize, &Range<usize>)| Run { place, lines: span.start * DEPTH..span.end * DEPTH };
+        let runs: Vec<Run> = spans.map(run).collect();
+        Arch::new().dispatch(Products { runs: &runs, cells, width: self.width, sums: &mut self.sums });
     }
 
-    fn finish(mut self, rows: usize) -> Gram {
-        self.sum();
+    fn finish(mut self, mut cells: Cells<'_>, rows: usize) -> Gram {
+        if cells.line > 0 {
+            self.add(&mut cells);
+        }
         let b = self.width - 1;
         let entry = |i: usize, j: usize| {
             let s = &self.sums[i * self.width + j].0;
@@ -125,51 +111,71 @@ impl Panels {
     }
 }
 
-/// Products of the columns of one joint with each other, added to the sums.
-struct Products<'a> {
+/// What a column holds.
+struct Run {
+    place: usize,
+    /// From the first to the last line, joint after joint, that is not zero.
+    lines: Range<usize>,
+}
+
+/// Products of all columns with each other, added to the sums.
+struct Products<'a, 'c> {
     /// Columns that are not zero, ascending.
-    columns: &'a [usize],
-    held: &'a [Line],
+    runs: &'a [Run],
+    cells: &'a Cells<'c>,
     width: usize,
     sums: &'a mut [Line],
 }
 
-impl WithSimd for Products<'_> {
+impl WithSimd for Products<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        let columns = self.columns;
-        let (pairs, last) = columns.as_chunks::<2>();
-        for (at, pair) in pairs.iter().enumerate() {
-            self.column_pairs(simd, &columns[..2 * at + 2], pair);
-        }
-        for &column in last {
-            self.column_pairs(simd, columns, &[column]);
-        }
+    fn with_simd<S: Simd>(self, simd: S) {
+        // As many sums as there are registers for.
+        if S::REGISTER_COUNT < 32 { self.all::<S, 2>(simd) } else { self.all::<S, 4>(simd) }
     }
 }
 
-impl Products<'_> {
+impl Products<'_, '_> {
+    /// J columns after the other.
+    #[inline(always)]
+    fn all<S: Simd, const J: usize>(mut self, simd: S) {
+        let (groups, rest) = self.runs.as_chunks::<J>();
+        for (at, columns) in groups.iter().enumerate() {
+            self.columns(simd, &self.runs[..J * (at + 1)], columns);
+        }
+        for (at, column) in (J * groups.len()..).zip(rest) {
+            self.columns(simd, &self.runs[..=at], std::array::from_ref(column));
+        }
+    }
+
     /// Products of these columns with all of `rows`.
     #[inline(always)]
-    fn column_pairs<S: Simd, const J: usize>(&mut self, simd: S, rows: &[usize], columns: &[usize; J]) {
+    fn columns<S: Simd, const J: usize>(&mut self, simd: S, rows: &[Run], columns: &[Run; J]) {
         let (fours, rest) = rows.as_chunks::<4>();
         for rows in fours {
             self.tile(simd, rows, columns);
         }
-        for &row in rest {
-            self.tile(simd, &[row], columns);
+        for row in rest {
+            self.tile(simd, std::array::from_ref(row), columns);
         }
     }
 
     #[inline(always)]
-    fn tile<S: Simd, const I: usize, const J: usize>(&mut self, simd: S, rows: &[usize; I], columns: &[usize; J]) {
-        let of = |column: usize| self.held[column * DEPTH..].first_chunk::<DEPTH>().expect("a panel has this depth");
-        let (a, b) = (rows.map(of), columns.map(of));
+    fn tile<S: Simd, const I: usize, const J: usize>(&mut self, simd: S, rows: &[Run; I], columns: &[Run; J]) {
+        // Lines that are not zero in a row and in a column.
+        let first = |runs: &[Run]| runs.iter().map(|run| run.lines.start).min().unwrap_or(0);
+        let end = |runs: &[Run]| runs.iter().map(|run| run.lines.end).max().unwrap_or(0);
+        let lines = first(rows).max(first(columns))..end(rows).min(end(columns));
+        if lines.is_empty() {
+            return;
+        }
+        let a: [_; I] = std::array::from_fn(|x| &self.cells.column(rows[x].place)[lines.clone()]);
+        let b: [_; J] = std::array::from_fn(|y| &self.cells.column(columns[y].place)[lines.clone()]);
         for v in 0..TOGETHER / S::F64_LANES {
             let mut sums = [[simd.splat_f64s(0.0); J]; I];
-            for line in 0..DEPTH {
+            for line in 0..lines.len() {
                 let mut right = [simd.splat_f64s(0.0); J];
                 for y in 0..J {
                     right[y] = S::as_simd_f64s(&b[y][line].0).0[v];
@@ -183,7 +189,8 @@ impl Products<'_> {
             }
             for x in 0..I {
                 for y in 0..J {
-                    let to = &mut S::as_mut_simd_f64s(&mut self.sums[rows[x] * self.width + columns[y]].0).0[v];
+                    let sum = &mut self.sums[rows[x].place * self.width + columns[y].place].0;
+                    let to = &mut S::as_mut_simd_f64s(sum).0[v];
                     *to = simd.add_f64s(*to, sums[x][y]);
                 }
             }
@@ -195,9 +202,30 @@ impl Products<'_> {
 mod tests {
     use super::*;
     use crate::chains::{self, ChainRecipe};
+    use crate::dynamics::States;
     use crate::model::Columns;
     use crate::model::term::LOAD_FRICTION;
     use crate::seed::Seed;
+
+    #[test]
+    fn identity_the_width_of_the_processor_changes_no_bit() {
+        let (robot, _) = ChainRecipe::new(4).draw(&mut Seed::new(16).stream("gram", 0));
+        let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
+        let columns: Vec<usize> = (0..37).collect();
+        let mut cells = Cells::in_columns(&regressor, &columns, DEPTH);
+        for (k, line) in cells.sums.iter_mut().enumerate() {
+            line.0 = std::array::from_fn(|lane| libm::sin((k * k + lane) as f64));
+        }
+        let runs: Vec<Run> = (0..38).map(|place| Run { place, lines: place % 3..(place % 4 + 1) * DEPTH }).collect();
+        let [mut wide, mut narrow] = [0, 1].map(|_| vec![Line([0.0; TOGETHER]); 38 * 38]);
+        Arch::new().dispatch(Products { runs: &runs, cells: &cells, width: 38, sums: &mut wide });
+        Arch::Scalar.dispatch(Products { runs: &runs, cells: &cells, width: 38, sums: &mut narrow });
+        for row in 0..38 {
+            for at in 38 * row + row..38 * (row + 1) {
+                assert_eq!(wide[at].0, narrow[at].0, "row {row}");
+            }
+        }
+    }
 
     #[test]
     fn identity_normal_equations_are_those_of_the_stack() {
@@ -217,7 +245,7 @@ mod tests {
                 let wanted: Vec<usize> = (0..regressor.cols()).filter(|column| column % 7 != 3).collect();
                 let torque: Vec<f64> = (0..dof * count).map(|row| libm::sin((row * row) as f64)).collect();
                 let weights: Vec<f64> = (0..dof).map(|joint| (joint + 1) as f64 / 2.0).collect();
-                let gram = regressor.gram(&states, &wanted, &torque, &weights);
+                let gram = regressor.gram(states.arrays(), &wanted, &torque, &weights);
                 let mut w = regressor.stack_means(&states, &wanted, 1);
                 let mut y = DVector::from_vec(torque);
                 for (row, (mut w, y)) in w.row_iter_mut().zip(y.iter_mut()).enumerate() {

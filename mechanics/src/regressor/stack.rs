@@ -11,7 +11,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::cells::Cells;
 use super::joint_torque::JointTorqueRegressor;
-use crate::dynamics::{States, TOGETHER, Together};
+use crate::dynamics::{States, TOGETHER, Together, samples_of};
 use crate::lanes::Wide;
 use crate::spatial::{LaneMotion, Motion};
 
@@ -74,13 +74,10 @@ impl JointTorqueRegressor {
         if w.is_empty() {
             return;
         }
-        if !self.links.is_empty() {
-            return self.stack_under_load(states, columns, block, w);
-        }
         let (rows, w) = (w.nrows(), w.as_mut_slice());
         self.stack_by(
-            states,
-            columns,
+            &mut Cells::in_rows(self, columns),
+            states.arrays(),
             block,
             #[inline(always)]
             |cells, first, count| cells.write(w, rows, first * n, count),
@@ -88,45 +85,35 @@ impl JointTorqueRegressor {
     }
 
     /// These columns of all samples in the order of C: entry of joint i and column j at sample k in `out[(k n + i) c + j]`, for c columns.
-    /// Bit by bit what [`Self::stack`] gives, in memory of the caller.
+    /// Bit by bit what [`Self::stack`] gives, in memory of the caller. `q`, `qd` and `qdd` are N × n row-major.
     ///
     /// # Panics
-    /// As [`Self::stack_means`], or if `out` is not N·n·c long.
-    pub fn stack_rows_into(&self, states: &States, columns: &[usize], out: &mut [f64]) {
-        let (n, p, sample) = (self.rows(), self.cols(), self.rows() * columns.len());
-        assert_eq!(states.dof, n, "states of {} joints, expected {n}", states.dof);
-        assert_eq!(out.len(), states.len() * sample, "one place for each entry");
+    /// If they are not as long as each other or not those of whole samples, `out` is not N·n·c long, or a column is beyond p.
+    pub fn stack_rows_into(&self, samples: [&[f64]; 3], columns: &[usize], out: &mut [f64]) {
+        let (n, sample) = (self.rows(), self.rows() * columns.len());
+        assert_eq!(out.len(), samples_of(n, samples) * sample, "one place for each entry");
         if sample == 0 {
             return;
         }
-        if self.links.is_empty() {
-            return self.stack_by(
-                states,
-                columns,
-                1,
-                #[inline(always)]
-                |cells, first, count| cells.write_in_rows(&mut out[first * sample..], count),
-            );
-        }
-        let mut rows = vec![0.0; n * p];
-        for (k, out) in out.chunks_exact_mut(sample).enumerate() {
-            self.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut rows);
-            for (to, row) in out.chunks_exact_mut(columns.len()).zip(rows.chunks_exact(p)) {
-                to.iter_mut().zip(columns).for_each(|(to, &column)| *to = row[column]);
-            }
-        }
+        self.stack_by(
+            &mut Cells::in_rows(self, columns),
+            samples,
+            1,
+            #[inline(always)]
+            |cells, first, count| cells.write_in_rows(&mut out[first * sample..], count),
+        );
     }
 
-    /// The sums of a few blocks after the other, for `put(cells, first, count)`.
+    /// The sums of a few blocks after the other in `cells`, for `put(cells, first, count)`.
     #[inline]
     pub(super) fn stack_by(
         &self,
-        states: &States,
-        columns: &[usize],
+        cells: &mut Cells<'_>,
+        samples: [&[f64]; 3],
         block: usize,
-        put: impl FnMut(&Cells<'_>, usize, usize),
+        put: impl FnMut(&mut Cells<'_>, usize, usize),
     ) {
-        Arch::new().dispatch(Stack { cells: Cells::new(self, columns), states, block, put });
+        Arch::new().dispatch(Stack { cells, joints: self.rows(), samples, block, put });
     }
 
     /// [`Self::stack_means`] a few blocks at a time, in their order. The matrix as a whole is never held: who reads each part once reads
@@ -143,79 +130,48 @@ impl JointTorqueRegressor {
     ) {
         let n = self.rows();
         assert_eq!(states.dof, n, "states of {} joints, expected {n}", states.dof);
-        if self.links.is_empty() {
-            let mut numbers = vec![0.0; TOGETHER * n * columns.len()];
-            return self.stack_by(
-                states,
-                columns,
-                block,
-                #[inline(always)]
-                |cells, first, count| {
-                    cells.write(&mut numbers, TOGETHER * n, 0, count);
-                    visit(&StackPart { first, count, joints: n, numbers: &numbers });
-                },
-            );
-        }
-        let w = self.stack_means(states, columns, block);
         let mut numbers = vec![0.0; TOGETHER * n * columns.len()];
-        for first in (0..w.nrows() / n).step_by(TOGETHER) {
-            let count = TOGETHER.min(w.nrows() / n - first);
-            for (to, from) in numbers.chunks_exact_mut(TOGETHER * n).zip(w.column_iter()) {
-                to[..count * n].copy_from_slice(&from.as_slice()[first * n..(first + count) * n]);
-            }
-            visit(&StackPart { first, count, joints: n, numbers: &numbers });
-        }
-    }
-
-    /// Sample by sample, for terms that depend on the torque that all links take.
-    fn stack_under_load(&self, states: &States, columns: &[usize], block: usize, w: &mut DMatrix<f64>) {
-        let (n, p) = (self.rows(), self.cols());
-        w.fill(0.0);
-        let mut rows = vec![0.0; n * p];
-        for m in 0..states.len() / block {
-            for k in m * block..(m + 1) * block {
-                self.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut rows);
-                for (c, &column) in columns.iter().enumerate() {
-                    for i in 0..n {
-                        w[(m * n + i, c)] += rows[i * p + column];
-                    }
-                }
-            }
-        }
-        if block > 1 {
-            *w *= 1.0 / block as f64;
-        }
+        self.stack_by(
+            &mut Cells::in_rows(self, columns),
+            states.arrays(),
+            block,
+            #[inline(always)]
+            |cells, first, count| {
+                cells.write(&mut numbers, TOGETHER * n, 0, count);
+                visit(&StackPart { first, count, joints: n, numbers: &numbers });
+            },
+        );
     }
 }
 
-/// Works on all states; `put(cells, first, count)` takes the sums of as many blocks.
-struct Stack<'a, F> {
-    cells: Cells<'a>,
-    states: &'a States,
+/// Works on all samples; `put(cells, first, count)` takes the sums of as many blocks.
+struct Stack<'a, 'c, F> {
+    cells: &'a mut Cells<'c>,
+    joints: usize,
+    samples: [&'a [f64]; 3],
     block: usize,
     put: F,
 }
 
-impl<F: FnMut(&Cells<'_>, usize, usize)> WithSimd for Stack<'_, F> {
+impl<F: FnMut(&mut Cells<'_>, usize, usize)> WithSimd for Stack<'_, '_, F> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { mut cells, states, block, mut put } = self;
-        let n = states.dof;
-        let (blocks, mut state) = (states.len() / block, Together::new(n));
+        let Self { cells, joints: n, samples, block, mut put } = self;
+        let (blocks, mut state) = (samples_of(n, samples) / block, Together::new(n));
         let zero = Wide::new(simd, simd.splat_f64s(0.0));
         let mut axes = vec![LaneMotion::splat(zero, &Motion::zero()); n];
         for first in (0..blocks).step_by(TOGETHER) {
             let count = TOGETHER.min(blocks - first);
-            state.fill(states, first * block, block, count);
+            state.fill(samples, first * block, block, count);
             cells.add::<S, true>(simd, &state, &mut axes);
             for k in 1..block {
-                state.fill(states, first * block + k, block, count);
+                state.fill(samples, first * block + k, block, count);
                 cells.add::<S, false>(simd, &state, &mut axes);
             }
             cells.average(block);
-            put(&cells, first, count);
+            put(cells, first, count);
         }
     }
 }
@@ -261,12 +217,13 @@ mod tests {
             regressor.stack_means_into(&states, &all, 1, &mut again);
             assert_eq!(again, w);
             let mut rows = vec![f64::NAN; w.len()];
-            regressor.stack_rows_into(&states, &all, &mut rows);
+            regressor.stack_rows_into(states.arrays(), &all, &mut rows);
             assert_eq!(DMatrix::from_row_slice(w.nrows(), p, &rows), w);
             let (mut narrow, mut parts) = (DMatrix::zeros(w.nrows(), p), DMatrix::zeros(w.nrows(), p));
             let (rows, columns) = (w.nrows(), narrow.as_mut_slice());
-            let put = |cells: &Cells<'_>, first: usize, count| cells.write(columns, rows, first * dof, count);
-            Arch::Scalar.dispatch(Stack { cells: Cells::new(&regressor, &all), states: &states, block: 1, put });
+            let put = |cells: &mut Cells<'_>, first: usize, count| cells.write(columns, rows, first * dof, count);
+            let (cells, samples) = (&mut Cells::in_rows(&regressor, &all), states.arrays());
+            Arch::Scalar.dispatch(Stack { cells, joints: dof, samples, block: 1, put });
             assert_eq!(narrow, w);
             regressor.stack_in_parts(&states, &all, 1, |part| {
                 for c in 0..p {
@@ -297,7 +254,7 @@ mod tests {
                     assert_eq!(w.rows(5 * k, 5).transpose().as_slice(), y);
                 }
                 let mut rows = vec![f64::NAN; w.nrows() * columns.len()];
-                regressor.stack_rows_into(&states, &columns, &mut rows);
+                regressor.stack_rows_into(states.arrays(), &columns, &mut rows);
                 assert_eq!(DMatrix::from_row_slice(w.nrows(), columns.len(), &rows), w.select_columns(&columns));
                 let mut blocks = 0;
                 regressor.stack_in_parts(&states, &columns, 7, |part| {

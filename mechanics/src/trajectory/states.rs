@@ -47,6 +47,11 @@ impl States {
         self.q.is_empty()
     }
 
+    /// Positions, velocities and accelerations of all samples, `N × n` row-major each.
+    pub fn arrays(&self) -> [&[f64]; 3] {
+        [&self.q, &self.qd, &self.qdd]
+    }
+
     /// Adds one sample.
     ///
     /// # Panics

@@ -198,8 +198,7 @@ impl Document {
                 Sheet::Column => &figure.papers[0],
                 Sheet::Page => &figure.papers[1],
             };
-            files.push((format!("{}.svg", figure.name), drawing.svg()?.into_bytes()));
-            files.push((format!("{}.pdf", figure.name), drawing.pdf()));
+            files.extend(drawing.files()?);
         }
         Ok(files)
     }

@@ -28,6 +28,19 @@ impl Drawing {
         self.canvas.svg(&self.heading, self.sheet)
     }
 
+    /// As files, name with extension and content: SVG, and PDF beside it on paper.
+    ///
+    /// # Errors
+    /// [`FigureError::Backend`] if the writer refuses a shape.
+    pub fn files(&self) -> Result<Vec<(String, Vec<u8>)>, FigureError> {
+        let name = &self.heading.name;
+        let mut files = vec![(format!("{name}.svg"), self.svg()?.into_bytes())];
+        if self.sheet != Sheet::Screen {
+            files.push((format!("{name}.pdf"), self.pdf()));
+        }
+        Ok(files)
+    }
+
     /// One page of PDF 1.4 as large as the figure, text as text. It names the fonts Helvetica and Symbol, which every reader has,
     /// and embeds none.
     pub fn pdf(&self) -> Vec<u8> {

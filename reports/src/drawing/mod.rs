@@ -6,6 +6,7 @@ pub(crate) mod check;
 pub(crate) mod colour;
 pub(crate) mod drawn;
 pub(crate) mod head;
+pub(crate) mod large_head;
 pub(crate) mod lattice;
 pub(crate) mod path;
 mod pdf;

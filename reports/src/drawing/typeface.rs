@@ -38,6 +38,13 @@ impl Font {
     /// Of notes beside lines and of numbers in cells.
     pub(crate) const NOTE: Self = Self { size: 11.5, bold: false };
 
+    /// Of the title of a figure that is read at half its width.
+    pub(crate) const LARGE_TITLE: Self = Self { size: 20.0, bold: true };
+    /// Of a panel's title in such a figure.
+    pub(crate) const LARGE_BOLD: Self = Self { size: 16.0, bold: true };
+    /// Of everything else in such a figure.
+    pub(crate) const LARGE: Self = Self { size: 16.0, bold: false };
+
     /// Width that is safe to reserve for `text`, px.
     pub(crate) fn width(self, text: &str) -> f64 {
         let hundredths: f64 = text.chars().map(advance).sum();

@@ -1,6 +1,5 @@
 //! Ratios to a reference over the size of an effect, panels one below the other, with type large enough for a telephone.
 
-use super::ratios::{BOLD, TEXT, TITLE, WIDTH};
 use super::{Figure, Interval};
 use crate::FigureError;
 use crate::drawing::axis::{Scale, Span};
@@ -9,8 +8,10 @@ use crate::drawing::check::Check;
 use crate::drawing::colour::Colour;
 use crate::drawing::drawn::Drawing;
 use crate::drawing::head::MARGIN;
+use crate::drawing::large_head::LargeHead;
 use crate::drawing::sheet::Sheet;
 use crate::drawing::ticks::ticks;
+use crate::drawing::typeface::Font;
 use crate::heading::Heading;
 use crate::style::{Group, Marker};
 
@@ -96,7 +97,7 @@ impl LevelFigure {
         }
         // What is below the lowest curve has room for words.
         let span = Span::covering(Scale::Log, reached.into_iter(), 0.0).ok_or_else(|| check.empty("every ratio"))?;
-        Ok(span.with_room(TEXT.size + 8.0, 6.0, TALL))
+        Ok(span.with_room(Font::LARGE.size + 8.0, 6.0, TALL))
     }
 
     /// Where a size is between the left and the right end of a panel, from 0 to 1.
@@ -114,35 +115,21 @@ impl LevelFigure {
         0.04 + 0.91 * part
     }
 
-    /// Lines of the title, lines under it, legend.
-    fn head(&self, canvas: &mut Canvas, title: &[String], subtitle: &[String]) {
-        let mut y = 22.0;
-        for line in title {
-            canvas.text(line, (MARGIN, y), TITLE, Colour::TEXT, Align::Start);
-            y += 27.0;
-        }
-        for line in subtitle {
-            canvas.text(line, (MARGIN, y), TEXT, Colour::MUTED, Align::Start);
-            y += 22.0;
-        }
-        y += 6.0;
-        let mut x = MARGIN;
-        for group in &self.groups {
-            let ink = Ink::new(group.style.colour, 2.6);
-            canvas.dashed(&[(x, y), (x + 34.0, y)], group.style.dash.pattern(), ink);
-            canvas.text(&group.label, (x + 41.0, y), TEXT, Colour::TEXT, Align::Start);
-            x += 41.0 + TEXT.width(&group.label) + 20.0;
-        }
+    /// An entry of the legend.
+    fn entry(&self, canvas: &mut Canvas, number: usize, (x, y): (f64, f64)) {
+        let Group { label, style } = &self.groups[number];
+        canvas.dashed(&[(x, y), (x + 34.0, y)], style.dash.pattern(), Ink::new(style.colour, 2.6));
+        canvas.text(label, (x + 41.0, y), Font::LARGE, Colour::TEXT, Align::Start);
     }
 
     /// Sizes below a panel, as many as fit.
     fn sizes(&self, canvas: &mut Canvas, area: &Rect) {
         let mut free = area.left - 40.0;
         for (size, label) in &self.sizes {
-            let (x, half) = (area.left + self.place(*size) * area.width(), 0.5 * TEXT.width(label));
+            let (x, half) = (area.left + self.place(*size) * area.width(), 0.5 * Font::LARGE.width(label));
             canvas.line((x, area.bottom), (x, area.bottom + 4.0), Ink::new(Colour::FRAME, 1.0));
             if x - half > free {
-                canvas.text(label, (x, area.bottom + 15.0), TEXT, Colour::TEXT, Align::Middle);
+                canvas.text(label, (x, area.bottom + 15.0), Font::LARGE, Colour::TEXT, Align::Middle);
                 free = x + half + 6.0;
             }
         }
@@ -152,21 +139,21 @@ impl LevelFigure {
         let x = |size: f64| area.left + self.place(size) * area.width();
         let y = |ratio: f64| area.bottom - span.fraction(ratio.clamp(span.low, span.high)) * area.height();
         canvas.text(
-            &BOLD.fit(&panel.title, area.width()),
+            &Font::LARGE_BOLD.fit(&panel.title, area.width()),
             (area.left, area.top - 13.0),
-            BOLD,
+            Font::LARGE_BOLD,
             Colour::TEXT,
             Align::Start,
         );
         canvas.rectangle(&Rect { top: y(1.0), ..*area }, Ink::new(Colour::BAND, 0.0));
-        for tick in ticks(&span, area.height(), 4.0, |_| TEXT.size) {
+        for tick in ticks(&span, area.height(), 4.0, |_| Font::LARGE.size) {
             let at = y(tick.value);
             canvas.line((area.left, at), (area.right, at), Ink::new(Colour::GRID, 1.0));
-            canvas.text(&tick.label, (area.left - 7.0, at), TEXT, Colour::TEXT, Align::End);
+            canvas.text(&tick.label, (area.left - 7.0, at), Font::LARGE, Colour::TEXT, Align::End);
         }
         canvas.line((area.left, y(1.0)), (area.right, y(1.0)), Ink::new(Colour::TEXT, 1.8));
         let words = format!("better than {}", self.reference);
-        canvas.text(&words, (area.left + 8.0, area.bottom - 12.0), TEXT, Colour::MUTED, Align::Start);
+        canvas.text(&words, (area.left + 8.0, area.bottom - 12.0), Font::LARGE, Colour::MUTED, Align::Start);
         for (curve, group) in panel.curves.iter().zip(&self.groups) {
             let at: Vec<(f64, &Interval)> = self.sizes.iter().map(|(size, _)| x(*size)).zip(curve).collect();
             let upper = at.iter().map(|(x, ratio)| (*x, y(ratio.high)));
@@ -182,9 +169,9 @@ impl LevelFigure {
         if let (Some((size, words)), Some(group)) = (&panel.mark, self.groups.first()) {
             let (at, colour) = ((x(*size), y(1.0)), group.style.colour);
             canvas.marker(Marker::OpenCircle, at, 6.5, colour, 1.0);
-            let width = TEXT.width(words);
+            let width = Font::LARGE.width(words);
             let left = (at.0 + 14.0).min(area.right - width);
-            canvas.note(words, (left + 0.5 * width, at.1 - 18.0), TEXT, colour);
+            canvas.note(words, (left + 0.5 * width, at.1 - 18.0), Font::LARGE, colour);
         }
     }
 }
@@ -195,23 +182,25 @@ impl Figure for LevelFigure {
     }
 
     fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
-        let whole = sheet.width(WIDTH, TEXT.size);
         let span = self.check()?;
-        let title = TITLE.wrap(&self.heading.title, whole - 2.0 * MARGIN, 3);
-        let subtitle = TEXT.wrap(&self.heading.subtitle, whole - 2.0 * MARGIN, 2);
-        let top = 76.0 + 27.0 * title.len() as f64 + 22.0 * subtitle.len() as f64;
+        let entries: Vec<f64> = self.groups.iter().map(|group| 41.0 + Font::LARGE.width(&group.label) + 20.0).collect();
+        let head = LargeHead::new(&self.heading, &entries, sheet);
+        let (whole, top) = (head.width, head.height + 36.0);
+        let label = Font::LARGE.wrap(&self.label, whole - LEFT, 2);
         let panels = self.panels.len() as f64;
         let bottom = top + panels * TALL + (panels - 1.0) * BETWEEN;
-        let mut canvas = Canvas::new(whole, bottom + BELOW);
-        self.head(&mut canvas, &title, &subtitle);
+        let mut canvas = Canvas::new(whole, bottom + BELOW + 20.0 * (label.len() - 1) as f64);
+        head.draw(&mut canvas, |canvas, number, at| self.entry(canvas, number, at));
         for (index, panel) in self.panels.iter().enumerate() {
             let top = top + index as f64 * (TALL + BETWEEN);
             let area = Rect { left: LEFT, top, right: whole - MARGIN, bottom: top + TALL };
             self.panel(&mut canvas, panel, &area, span);
             self.sizes(&mut canvas, &area);
         }
-        let at = (0.5 * (LEFT + whole - MARGIN), bottom + 39.0);
-        canvas.text(&TEXT.fit(&self.label, whole - LEFT), at, TEXT, Colour::TEXT, Align::Middle);
+        for (line, words) in label.iter().enumerate() {
+            let at = (0.5 * (LEFT + whole - MARGIN), bottom + 39.0 + 20.0 * line as f64);
+            canvas.text(words, at, Font::LARGE, Colour::TEXT, Align::Middle);
+        }
         Ok(Drawing::new(canvas, &self.heading, sheet))
     }
 }

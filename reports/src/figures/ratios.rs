@@ -8,6 +8,7 @@ use crate::drawing::check::Check;
 use crate::drawing::colour::Colour;
 use crate::drawing::drawn::Drawing;
 use crate::drawing::head::MARGIN;
+use crate::drawing::large_head::LargeHead;
 use crate::drawing::sheet::Sheet;
 use crate::drawing::ticks::{significant, ticks};
 use crate::drawing::typeface::Font;
@@ -68,16 +69,13 @@ pub struct Ratio {
     pub is_significant: bool,
 }
 
-pub(super) const WIDTH: f64 = 640.0;
-pub(super) const TITLE: Font = Font { size: 20.0, bold: true };
-pub(super) const TEXT: Font = Font { size: 16.0, bold: false };
-pub(super) const BOLD: Font = Font { size: 16.0, bold: true };
 /// Width of the names of rows, gap between panels, height of a row, distance between its two lanes, px.
 const NAMES: f64 = 130.0;
 const GAP: f64 = 18.0;
 const ROW: f64 = 46.0;
 const LANE: f64 = 19.0;
 const RADIUS: f64 = 6.5;
+const NOT_SIGNIFICANT: &str = "not significant";
 /// Filled and hollow marks of the two groups.
 const MARKS: [[Marker; 2]; 2] = [[Marker::Circle, Marker::OpenCircle], [Marker::Square, Marker::OpenSquare]];
 
@@ -106,29 +104,26 @@ impl RatioFigure {
         Span::covering(Scale::Log, points.into_iter(), 0.08).ok_or_else(|| check.empty("every ratio"))
     }
 
-    /// Lines of the title, lines under it, legend.
-    fn head(&self, canvas: &mut Canvas, title: &[String], subtitle: &[String]) {
-        let mut y = 22.0;
-        for line in title {
-            canvas.text(line, (MARGIN, y), TITLE, Colour::TEXT, Align::Start);
-            y += 27.0;
-        }
-        for line in subtitle {
-            canvas.text(line, (MARGIN, y), TEXT, Colour::MUTED, Align::Start);
-            y += 22.0;
-        }
-        y += 6.0;
-        let mut x = MARGIN + RADIUS;
-        for (group, [filled, _]) in self.groups.iter().zip(MARKS) {
-            canvas.marker(filled, (x, y), RADIUS, group.style.colour, 1.0);
-            canvas.text(&group.label, (x + 13.0, y), TEXT, Colour::TEXT, Align::Start);
-            x += 13.0 + TEXT.width(&group.label) + 22.0;
+    /// Widths of the entries of the legend: a mark of each group, and all hollow ones together.
+    fn legend(&self) -> Vec<f64> {
+        let words = |label: &str, behind: f64| Font::LARGE.width(label) + behind;
+        let mut widths: Vec<f64> = self.groups.iter().map(|group| words(&group.label, 13.0 + 22.0)).collect();
+        widths.push(18.0 * self.groups.len() as f64 + words(NOT_SIGNIFICANT, 4.0));
+        widths
+    }
+
+    fn entry(&self, canvas: &mut Canvas, number: usize, (left, y): (f64, f64)) {
+        let mut x = left + RADIUS;
+        if let Some(group) = self.groups.get(number) {
+            canvas.marker(MARKS[number][0], (x, y), RADIUS, group.style.colour, 1.0);
+            canvas.text(&group.label, (x + 13.0, y), Font::LARGE, Colour::TEXT, Align::Start);
+            return;
         }
         for (group, [_, hollow]) in self.groups.iter().zip(MARKS) {
             canvas.marker(hollow, (x, y), RADIUS, group.style.colour, 1.0);
             x += 18.0;
         }
-        canvas.text("not significant", (x - 4.0, y), TEXT, Colour::TEXT, Align::Start);
+        canvas.text(NOT_SIGNIFICANT, (x - 4.0, y), Font::LARGE, Colour::TEXT, Align::Start);
     }
 
     /// Names of the rows on stripes.
@@ -139,7 +134,7 @@ impl RatioFigure {
                 let stripe = Rect { left: 0.0, top: row, right: canvas.width(), bottom: row + ROW };
                 canvas.rectangle(&stripe, Ink::new(Colour::STRIPE, 0.0));
             }
-            let font = if index == 0 { BOLD } else { TEXT };
+            let font = if index == 0 { Font::LARGE_BOLD } else { Font::LARGE };
             let lines = font.wrap(name, NAMES, 2);
             for (line, text) in lines.iter().enumerate() {
                 let y = row + 0.5 * ROW + 19.0 * (line as f64 - 0.5 * (lines.len() - 1) as f64);
@@ -153,28 +148,28 @@ impl RatioFigure {
         let x = |value: f64| area.left + span.fraction(value) * area.width();
         let middle = area.centre().0;
         canvas.text(
-            &BOLD.fit(&panel.title, area.width()),
+            &Font::LARGE_BOLD.fit(&panel.title, area.width()),
             (middle, area.top - 34.0),
-            BOLD,
+            Font::LARGE_BOLD,
             Colour::TEXT,
             Align::Middle,
         );
-        let subtitle = TEXT.fit(&panel.subtitle, area.width());
-        canvas.text(&subtitle, (middle, area.top - 13.0), TEXT, Colour::MUTED, Align::Middle);
+        let subtitle = Font::LARGE.fit(&panel.subtitle, area.width());
+        canvas.text(&subtitle, (middle, area.top - 13.0), Font::LARGE, Colour::MUTED, Align::Middle);
         canvas.rectangle(&Rect { right: x(1.0), ..*area }, Ink::new(Colour::BAND, 0.0));
-        for tick in ticks(&span, area.width(), 5.0, |label| TEXT.width(label)) {
+        for tick in ticks(&span, area.width(), 5.0, |label| Font::LARGE.width(label)) {
             let at = x(tick.value);
             canvas.line((at, area.top), (at, area.bottom), Ink::new(Colour::GRID, 1.0));
-            canvas.text(&tick.label, (at, area.bottom + 14.0), TEXT, Colour::TEXT, Align::Middle);
+            canvas.text(&tick.label, (at, area.bottom + 14.0), Font::LARGE, Colour::TEXT, Align::Middle);
         }
         for (from, to) in [(area.top, area.bottom + 5.0), (area.bottom + 28.0, area.bottom + 48.0)] {
             canvas.line((x(1.0), from), (x(1.0), to), Ink::new(Colour::TEXT, 1.8));
         }
-        canvas.text("better", (x(1.0) - 6.0, area.bottom + 38.0), TEXT, Colour::TEXT, Align::End);
+        canvas.text("better", (x(1.0) - 6.0, area.bottom + 38.0), Font::LARGE, Colour::TEXT, Align::End);
         let long = format!("worse than {}", self.reference);
-        let fits = x(1.0) + 6.0 + TEXT.width(&long) <= area.right + 0.5 * GAP;
+        let fits = x(1.0) + 6.0 + Font::LARGE.width(&long) <= area.right + 0.5 * GAP;
         let worse = if fits { &long } else { "worse" };
-        canvas.text(worse, (x(1.0) + 6.0, area.bottom + 38.0), TEXT, Colour::TEXT, Align::Start);
+        canvas.text(worse, (x(1.0) + 6.0, area.bottom + 38.0), Font::LARGE, Colour::TEXT, Align::Start);
         for (row, cells) in panel.cells.iter().enumerate() {
             for (lane, (cell, group)) in cells.iter().zip(&self.groups).enumerate() {
                 let Some(Ratio { interval, is_significant }) = cell else { continue };
@@ -206,13 +201,11 @@ impl Figure for RatioFigure {
 
     fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
         let span = self.check()?;
-        let whole = sheet.width(WIDTH, TEXT.size);
-        let title = TITLE.wrap(&self.heading.title, whole - 2.0 * MARGIN, 3);
-        let subtitle = TEXT.wrap(&self.heading.subtitle, whole - 2.0 * MARGIN, 2);
-        let top = 92.0 + 27.0 * title.len() as f64 + 22.0 * subtitle.len() as f64;
+        let head = LargeHead::new(&self.heading, &self.legend(), sheet);
+        let (whole, top) = (head.width, head.height + 52.0);
         let bottom = top + self.rows.len() as f64 * ROW;
         let mut canvas = Canvas::new(whole, bottom + 80.0);
-        self.head(&mut canvas, &title, &subtitle);
+        head.draw(&mut canvas, |canvas, number, at| self.entry(canvas, number, at));
         self.names(&mut canvas, top);
         let left = MARGIN + NAMES + 6.0;
         let width = (whole - MARGIN - left + GAP) / self.panels.len() as f64 - GAP;
@@ -221,7 +214,7 @@ impl Figure for RatioFigure {
             self.panel(&mut canvas, panel, &Rect { left, top, right: left + width, bottom }, span);
         }
         let at = (0.5 * (left + whole - MARGIN), bottom + 64.0);
-        canvas.text(&TEXT.fit(&self.label, whole - left), at, TEXT, Colour::TEXT, Align::Middle);
+        canvas.text(&Font::LARGE.fit(&self.label, whole - left), at, Font::LARGE, Colour::TEXT, Align::Middle);
         Ok(Drawing::new(canvas, &self.heading, sheet))
     }
 }

@@ -2,6 +2,7 @@
 
 use armid::study::{Comparison, ConditionResult, Metric, ReportInput, criterion_in_words};
 
+use super::titles;
 use crate::{
     Axis, Cell, Column, DocumentError, Group, Heading, Interval, IntervalFigure, IntervalRow, Level, Section, Table,
 };
@@ -96,10 +97,18 @@ fn against(parts: &[ConditionResult], reference: &str, metric: Metric, estimator
         Metric::Static => "static-poses",
     };
     let in_words = criterion_in_words(reference);
+    let rows: Vec<IntervalRow> = parts
+        .iter()
+        .map(|part| IntervalRow {
+            label: part.condition.name.clone(),
+            cells: others.iter().map(|family| of(part, family)).collect(),
+        })
+        .collect();
+    let title = titles::against(&others, &rows, &in_words);
     IntervalFigure {
         heading: Heading::new(
             format!("{name}-by-condition"),
-            format!("Each criterion relative to {in_words}, by scenario"),
+            title.unwrap_or_else(|| format!("Each criterion relative to {in_words}, by scenario")),
         )
         .subtitle(format!("{}, estimator {estimator}", metric.title()))
         .caption(format!(
@@ -108,13 +117,7 @@ fn against(parts: &[ConditionResult], reference: &str, metric: Metric, estimator
         )),
         value: Axis::log(format!("error relative to {in_words}"), ""),
         groups: Group::assign(others.iter().map(|family| criterion_in_words(family))),
-        rows: parts
-            .iter()
-            .map(|part| IntervalRow {
-                label: part.condition.name.clone(),
-                cells: others.iter().map(|family| of(part, family)).collect(),
-            })
-            .collect(),
+        rows,
         levels: vec![Level::new(1.0, "no difference")],
         band: None,
     }
@@ -126,12 +129,15 @@ fn pair(first: &str, second: &str) -> String {
 }
 
 fn by_condition(parts: &[ConditionResult], estimator: &str) -> IntervalFigure {
-    let heading = Heading::new("differences-by-condition", "Differences between criteria in every scenario")
-        .subtitle(format!("torque prediction RMSE, first over second, estimator {estimator}"))
-        .caption(format!(
-            "Ratio of geometric means over designs with its 95 % t interval ({}); left of 1 the first is better.",
-            unit_words(parts, estimator, Metric::Prediction, |_| true)
-        ));
+    let caption = format!(
+        "Ratio of geometric means over designs with its 95 % t interval ({}); left of 1 the first is better.",
+        unit_words(parts, estimator, Metric::Prediction, |_| true)
+    );
+    let heading = |title| {
+        Heading::new("differences-by-condition", title)
+            .subtitle(format!("torque prediction RMSE in every scenario, first over second, estimator {estimator}"))
+            .caption(caption)
+    };
     of_pairs(heading, parts, |part| {
         let all = part.findings.comparisons.iter();
         all.filter(|c| c.estimator == estimator && c.metric == Metric::Prediction)
@@ -142,7 +148,7 @@ fn by_condition(parts: &[ConditionResult], estimator: &str) -> IntervalFigure {
 
 /// A row for each pair of criteria, a group for each scenario; `column` gives the pairs of one scenario.
 fn of_pairs(
-    heading: Heading,
+    heading: impl FnOnce(String) -> Heading,
     parts: &[ConditionResult],
     column: impl Fn(&ConditionResult) -> Vec<(String, Option<Interval>)>,
 ) -> IntervalFigure {
@@ -153,11 +159,12 @@ fn of_pairs(
         label: label.clone(),
         cells: columns.iter().map(|column| cell(column, label)).collect(),
     });
+    let rows: Vec<IntervalRow> = rows.collect();
     IntervalFigure {
-        heading,
+        heading: heading(titles::differences(&rows)),
         value: Axis::log("ratio of prediction RMSE", ""),
         groups: Group::assign(parts.iter().map(|part| part.condition.name.clone())),
-        rows: rows.collect(),
+        rows,
         levels: vec![Level::new(1.0, "no difference")],
         band: None,
     }
@@ -212,9 +219,11 @@ fn comparisons(parts: &[ConditionResult], estimator: &str) -> Table {
 }
 
 fn over_truths(parts: &[ConditionResult], estimator: &str, count: usize) -> IntervalFigure {
-    let heading = Heading::new("differences-over-truths", "Differences between criteria over random arms")
-        .subtitle(format!("torque prediction RMSE, first over second, {count} arms, estimator {estimator}"))
-        .caption("Geometric mean of the ratio over arms with its 95 % t interval; left of 1 the first is better.");
+    let heading = |title| {
+        Heading::new("differences-over-truths", title)
+            .subtitle(format!("torque prediction RMSE, first over second, {count} arms, estimator {estimator}"))
+            .caption("Geometric mean of the ratio over arms with its 95 % t interval; left of 1 the first is better.")
+    };
     of_pairs(heading, parts, |part| {
         let all = part.findings.over_truths.iter();
         all.filter(|c| c.estimator == estimator && c.metric == Metric::Prediction)

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use armid::excitation::CriterionKind;
 use armid::study::{ReportInput, StudyDesign, criterion_in_words};
 
+use super::titles;
 use crate::design::{convergence_panel, value_axis};
 use crate::{ConvergenceFigure, ConvergencePanel, Curve, DocumentError, GroupStyle, Heading, Section};
 
@@ -39,7 +40,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         return Ok(section.text("Nothing was optimised."));
     }
     let figure = ConvergenceFigure {
-        heading: Heading::new("convergence", "How the designs converge")
+        heading: Heading::new("convergence", titles::convergence(input).unwrap_or_else(|| "How the designs converge".to_owned()))
             .subtitle("best value so far against evaluations, one line per start; a gradient counts as one evaluation more")
             .caption("Condition numbers fall, the information rises. Random draws are chosen by the same criterion at the same number of evaluations. Of more than 200 designs by one criterion the first starts are shown."),
         columns: panels.len().min(3),

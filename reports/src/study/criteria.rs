@@ -3,6 +3,7 @@
 use armid::statistics::Spread;
 use armid::study::{FamilyScore, ReportInput, StudyDesign, criterion_in_words};
 
+use super::titles;
 use crate::{
     Axis, BoxFigure, BoxRow, Distribution, DocumentError, Group, Heading, Quantiles, ScatterFigure, ScatterGroup,
     ScatterPanel, ScatterPoint, Section,
@@ -56,8 +57,8 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         })
         .collect();
     let scatter = ScatterFigure {
-        heading: Heading::new("criterion-and-error", "Criterion value and achieved error")
-            .subtitle(format!("{} designs, estimator {estimator}", result.designs.len()))
+        heading: Heading::new("criterion-and-error", titles::criterion_and_error(input).unwrap_or_else(|| "Criterion value and achieved error".to_owned()))
+            .subtitle(format!("value of a design and its torque error: {} designs, estimator {estimator}", result.designs.len()))
             .caption("One point per design: median over its runs of the torque prediction RMSE on validation trajectories; bars reach from the lower to the upper quartile."),
         columns: 3,
         panels,
@@ -74,8 +75,8 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     let parameters = boxes(
         input,
         &groups,
-        Heading::new("parameter-error-by-criterion", "Parameter error by criterion")
-            .subtitle("all designs and runs of each criterion, in the declared reference units")
+        Heading::new("parameter-error-by-criterion", titles::parameters(input).unwrap_or_else(|| "Parameter error".to_owned()))
+            .subtitle("parameter error, all designs and runs of each criterion, in the declared reference units")
             .caption("RMS over the base parameters of the error in reference units. Box: quartiles and median; whiskers: 5 % and 95 % quantiles over runs."),
         Axis::log("parameter RMSE", "reference units"),
         |family| family.reference_spread,

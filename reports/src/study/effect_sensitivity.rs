@@ -4,6 +4,7 @@ use armid::experiment::Level;
 use armid::study::{EffectSensitivity, ReportInput, SensitivityEntry, capitalised, criterion_in_words};
 
 use super::criteria_on_robots::effect_in_words;
+use super::titles;
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Heading, HeatFigure, Section, Table};
 
 /// Biases below this many standard deviations are drawn as this many: they are invisible.
@@ -108,12 +109,14 @@ fn glance(
 
 /// One row per condition, one column per base parameter.
 fn biases(input: &ReportInput, shown: &[&SensitivityEntry], estimator: &str) -> HeatFigure {
+    let names: Vec<String> = input.result.parameters.iter().map(|parameter| parameter.name.clone()).collect();
+    let title = titles::biased_most(shown, &names);
     HeatFigure {
-        heading: Heading::new("atlas-parameters", "Which parameter each effect biases")
+        heading: Heading::new("atlas-parameters", title.unwrap_or_else(|| "Which parameter each effect biases".to_owned()))
             .subtitle(format!("size of the bias in standard deviations that the estimator states, estimator {estimator}"))
             .caption(format!("One column per base parameter. A bias of 1 is as large as the error bar beside the estimate; {LEAST_STD} stands for everything below it.")),
         rows: shown.iter().map(|entry| entry.condition.clone()).collect(),
-        columns: input.result.parameters.iter().map(|parameter| parameter.name.clone()).collect(),
+        columns: names,
         groups: Vec::new(),
         values: shown
             .iter()

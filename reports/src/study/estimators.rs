@@ -2,6 +2,7 @@
 
 use armid::study::{ConditionResult, EstimatorComparison, Metric, ReportInput, criterion_in_words};
 
+use super::titles;
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Heading, HeatFigure, Section, Table};
 
 /// Metrics by which estimators are shown beside each other, with the word of each.
@@ -65,14 +66,16 @@ fn glance(input: &ReportInput, family: &str, metric: Metric, word: &str) -> Opti
         let best = row.iter().copied().flatten().fold(f64::INFINITY, f64::min);
         row.into_iter().map(move |value| value.map(|value| value / best))
     };
+    let rows: Vec<Vec<Option<f64>>> = rows.into_iter().map(|row| over_best(row).collect()).collect();
+    let title = titles::estimators(estimators, &rows).unwrap_or_else(|| "Estimators".to_owned());
     Some(HeatFigure {
-        heading: Heading::new(format!("estimators-{word}"), format!("Estimators by {}", metric.title()))
-            .subtitle("how many times the error of the best estimator in that scenario")
+        heading: Heading::new(format!("estimators-{word}"), title)
+            .subtitle(format!("{}: how many times the error of the best estimator in that scenario", metric.title()))
             .caption("Rows: scenarios. Columns: estimators, as the plan names them. 1 is the best; grey is one that gave no estimate."),
         rows: conditions.iter().map(|condition| condition.condition.name.clone()).collect(),
         columns: estimators.clone(),
         groups: Vec::new(),
-        values: rows.into_iter().flat_map(over_best).collect(),
+        values: rows.into_iter().flatten().collect(),
         value: Axis::log("times the error of the best", "").including(&[1.0]),
         colours: ColourMap::Sequential,
         digits: 2,

@@ -1,8 +1,9 @@
 //! Every criterion with every family of trajectories and number of harmonics, at a glance.
 
-use armid::study::{FamilyPlan, FamilyScore, HarmonicsPlan, Metric, ReportInput};
+use armid::study::{FamilyPlan, FamilyScore, HarmonicsPlan, Metric, ReportInput, capitalised};
 
 use super::selection::GROUPS;
+use super::titles;
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Figure, Heading, HeatFigure, Section, Table};
 
 /// Whether a study is drawn as a grid: one with more families of designs than colours can show.
@@ -66,11 +67,14 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     };
     let evaluations = plan.designs.first().map_or(0, |family| family.evaluations);
     let starts = plan.designs.first().map_or(0, |family| family.starts);
-    let figure = |name: &str, title: &str, metric: usize, value: Axis, digits: usize| {
+    let figure = |name: &str, what: &str, metric: usize, value: Axis, digits: usize| {
+        let headings: Vec<String> =
+            columns.iter().map(|(family, harmonics)| format!("{family}, H = {harmonics}")).collect();
+        let title = titles::least(&rows, &headings, &values(metric), what);
         HeatFigure {
-        heading: Heading::new(name, title)
+        heading: Heading::new(name, title.unwrap_or_else(|| capitalised(what)))
             .subtitle(format!(
-                "{starts} starts of {evaluations} evaluations each, a gradient counting as one more; {estimator}"
+                "{what} by criterion and trajectories; {starts} starts of {evaluations} evaluations each, a gradient counting as one more; {estimator}"
             ))
             .caption(
                 "Columns: number of harmonics H of each family of trajectories (splines: 2 H + 1 knots). Paler is better.",
@@ -85,27 +89,15 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     }
     };
     let figures: Vec<Box<dyn Figure>> = vec![
-        Box::new(figure(
-            "prediction-by-design",
-            "Torque prediction error by criterion and trajectories",
-            0,
-            Axis::log("prediction RMSE", "10⁻³ N·m"),
-            2,
-        )),
+        Box::new(figure("prediction-by-design", "torque error", 0, Axis::log("prediction RMSE", "10⁻³ N·m"), 2)),
         Box::new(figure(
             "parameters-by-design",
-            "Parameter error by criterion and trajectories",
+            "parameter error",
             3,
             Axis::log("parameter RMSE", "10⁻³ reference units"),
             2,
         )),
-        Box::new(figure(
-            "volume-by-design",
-            "Volume of the parameter error by criterion and trajectories",
-            2,
-            Axis::linear("log volume", ""),
-            0,
-        )),
+        Box::new(figure("volume-by-design", "volume of the parameter error", 2, Axis::linear("log volume", ""), 0)),
     ];
     let mut section = Section::new("Criteria and trajectories");
     // A volume is not defined for fewer runs than parameters.

@@ -19,6 +19,7 @@ mod radkhah2007;
 mod robots;
 mod rounds;
 mod selection;
+mod titles;
 
 pub use criteria_on_robots::criteria_figure;
 pub use effect_levels::levels_figure;

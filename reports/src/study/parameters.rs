@@ -2,6 +2,7 @@
 
 use armid::study::{FamilyScore, ReportInput, criterion_in_words};
 
+use super::titles;
 use crate::{
     Axis, Band, Cell, Column, CoverageFigure, CoverageRow, DocumentError, Group, Heading, Interval, IntervalFigure,
     IntervalRow, Level, Section, Table,
@@ -18,8 +19,8 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     }
     let groups = Group::assign(families.iter().map(|f| criterion_in_words(&f.family)));
     let bias = IntervalFigure {
-        heading: Heading::new("bias", "Bias of the base parameters")
-            .subtitle(format!("estimator {estimator}, in the declared reference units"))
+        heading: Heading::new("bias", titles::bias(&families).unwrap_or_else(|| "Bias of the base parameters".to_owned()))
+            .subtitle(format!("bias of the base parameters, estimator {estimator}, in the declared reference units"))
             .caption("Mean error over runs with its 95 % interval, designs taken as the units; an interval that leaves out zero shows a bias."),
         value: Axis::linear("bias", "reference units"),
         groups: groups.clone(),
@@ -43,7 +44,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         band: None,
     };
     let coverage = CoverageFigure {
-        heading: Heading::new("coverage", "How often a stated 95 % interval covers the true value")
+        heading: Heading::new("coverage", titles::coverage(&families).unwrap_or_else(|| "Coverage".to_owned()))
             .subtitle(format!("estimator {estimator}, through the whole chain"))
             .caption("Share of runs with its 95 % Wilson interval. Averaging, derivatives and decimation are part of the chain; what is below 95 % is bias that no interval from noise can cover."),
         groups,

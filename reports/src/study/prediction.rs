@@ -2,6 +2,7 @@
 
 use armid::study::ReportInput;
 
+use super::titles;
 use crate::{Axis, DocumentError, GroupStyle, Heading, Line, Section, TimePanel, TimeSeriesFigure};
 
 pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
@@ -30,9 +31,11 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
             }
         })
         .collect();
+    let joints: Vec<String> = input.result.joints.iter().map(|joint| joint.name.clone()).collect();
+    let title = titles::prediction(example, &joints);
     let figure = TimeSeriesFigure {
-        heading: Heading::new("prediction", "Torque along a held-out trajectory")
-            .subtitle(format!("estimate: {} from a {} design", example.estimator, example.family))
+        heading: Heading::new("prediction", title.unwrap_or_else(|| "Torque along a held-out trajectory".to_owned()))
+            .subtitle(format!("torque along a held-out trajectory; estimate: {} from a {} design", example.estimator, example.family))
             .caption("Measured: mean over the recorded periods of a validation experiment. Predicted: the estimate, at the measured positions and their derivatives."),
         time: Axis::linear("time", "s"),
         value: Axis::linear("torque", "N·m"),

@@ -2,6 +2,7 @@
 
 use armid::study::{FamilyScore, ReportInput};
 
+use super::titles;
 use crate::{
     Axis, Cell, Column, DocumentError, GroupStyle, Heading, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint,
     Section, Table,
@@ -54,8 +55,9 @@ pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentEr
         }),
         ("Volume", Axis::linear("log volume of the error", ""), |score, _| value(score, 2)),
     ];
+    let errors: Vec<f64> = sequences[0].iter().filter_map(|&family| Some(value(score(family)?, 0)?.0)).collect();
     let figure = ScatterFigure {
-        heading: Heading::new("rounds", "What each round gains")
+        heading: Heading::new("rounds", titles::rounds(&errors).unwrap_or_else(|| "What each round gains".to_owned()))
             .subtitle(format!("error after one experiment, two, …, all of the same length; {estimator}"))
             .caption("Bars: 95 % t intervals over designs (over runs of an only design; those of a volume by bootstrap over designs and runs). The bound is the median over parameters of the Cramér–Rao standard deviation; that of one experiment falls as long as a round gains more than the same experiments again."),
         columns: 2,

@@ -1,14 +1,15 @@
 //! The study, and the best of its candidates.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use armid::excitation::Termination;
 use armid::observer::Observer;
 use armid::remedy::{Remedy, Setting};
-use armid::statistics::Spread;
+use armid::statistics::{Interval, Spread, mean, t_interval};
 use armid::study::{AdvicePlan, StudyDesign, StudyPlans, StudyResult};
 use armid_io::output::write_text;
-use armid_io::study::run_values;
+use armid_io::study::{RunValue, run_values};
 use armid_io::{Error, Text, robot};
 
 use super::answer::{AdviceAnswer, Candidate};
@@ -63,8 +64,7 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
     let StudyAnswer::Whole(summary) = perform(&StudyPlans::One(Box::new(plan)), &study, observer)? else {
         return Ok(None);
     };
-    let mut candidates = candidates(folder, &summary.result, settings)?;
-    candidates.sort_by(|a, b| a.error.median.total_cmp(&b.error.median));
+    let candidates = candidates(folder, &summary.result, settings)?;
     let Some(best) = candidates.first() else {
         return Err(Error::new(format!(
             "all {} runs of the study failed, expected one estimate at least",
@@ -130,21 +130,38 @@ fn taken(place: &Path) -> Error {
 /// Every design with every estimator, by the runs that are stored in a folder.
 fn candidates(folder: &Path, result: &StudyResult, settings: &AdviceSettings) -> Result<Vec<Candidate>, Error> {
     let values = run_values(folder, settings.purpose.metric())?;
-    let mut all = Vec::new();
+    let mut all: Vec<(Candidate, BTreeMap<usize, f64>)> = Vec::new();
     for design in &result.plan.designs {
         for estimator in &result.plan.identification.estimators {
+            let own = || values.iter().filter(|run| run.family == design.name && run.estimator == *estimator);
             let of = |condition: Option<&str>| {
-                let runs = values.iter().filter(|run| run.family == design.name && run.estimator == *estimator);
-                let runs = runs.filter(|run| condition.is_none_or(|condition| run.condition == condition));
+                let runs = own().filter(|run| condition.is_none_or(|condition| run.condition == condition));
                 runs.filter_map(|run| run.value).collect::<Vec<f64>>()
             };
             let Some(error) = Spread::of(&of(None)) else { continue };
             let levels = result.conditions.iter().map(|condition| &condition.condition.name);
             let by_level = levels.filter_map(|name| Some((name.clone(), Spread::of(&of(Some(name)))?))).collect();
-            all.push(Candidate { design: design.name.clone(), estimator: estimator.clone(), error, by_level });
+            let (design, estimator) = (design.name.clone(), estimator.clone());
+            all.push((Candidate { design, estimator, error, over_best: None, by_level }, by_arm(own())));
         }
     }
-    Ok(all)
+    all.sort_by(|(a, _), (b, _)| a.error.median.total_cmp(&b.error.median));
+    let best = all.first().map(|(_, arms)| arms.clone()).unwrap_or_default();
+    for (candidate, arms) in all.iter_mut().skip(1) {
+        let logs: Vec<f64> = arms.iter().filter_map(|(arm, log)| Some(log - best.get(arm)?)).collect();
+        let interval = t_interval(&logs, 0.95);
+        candidate.over_best = interval.map(|of| Interval { low: of.low.exp(), high: of.high.exp() });
+    }
+    Ok(all.into_iter().map(|(candidate, _)| candidate).collect())
+}
+
+/// Mean logarithm over levels and designs of each arm's errors.
+fn by_arm<'a>(runs: impl Iterator<Item = &'a RunValue>) -> BTreeMap<usize, f64> {
+    let mut logs: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    for (run, value) in runs.filter_map(|run| Some((run.run, run.value?))) {
+        logs.entry(run).or_default().push(value.ln());
+    }
+    logs.into_iter().map(|(run, logs)| (run, mean(&logs))).collect()
 }
 
 /// Parameters whose stated standard deviation is more than a third of their value, without effects.

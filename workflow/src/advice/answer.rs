@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use armid::statistics::Spread;
+use armid::statistics::{Interval, Spread};
 use armid::study::{DriveKind, Purpose};
 
 /// A design with an estimator.
@@ -14,8 +14,18 @@ pub struct Candidate {
     pub estimator: String,
     /// Its error over all arms and levels of the effects: 90 % of them are between `low` and `high`.
     pub error: Spread,
-    /// The same at each level.
+    /// Its error over that of the best candidate on the same arms, with a 95 % interval by Student's t over arms: each arm counts by the
+    /// mean logarithm over levels. Of the best itself, and of fewer than two arms, `None`. Not adjusted for the number of candidates.
+    pub over_best: Option<Interval>,
+    /// The error at each level.
     pub by_level: Vec<(String, Spread)>,
+}
+
+impl Candidate {
+    /// Whether the runs do not tell it from the best candidate.
+    pub fn is_like_the_best(&self) -> bool {
+        self.over_best.is_some_and(|ratio| ratio.contains(1.0))
+    }
 }
 
 /// The best motion and estimator for an arm, and what to expect of them.

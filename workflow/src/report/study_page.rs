@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use armid::study::{CriterionRatios, EffectLevels, ReportInput, RobotsSummary};
 use armid_io::Error;
-use armid_io::output::write_text;
+use armid_io::output::write;
 use armid_io::study::write_figure_numbers;
 use armid_reports::{DocumentError, Figure, Sheet, criteria_figure, levels_figure, robots_document, study_document};
 
@@ -30,8 +30,8 @@ pub fn write_robots_report(folder: &Path, summary: &RobotsSummary, sheet: Sheet)
 ///
 /// # Errors
 /// [`Error`] where it cannot be drawn or written.
-pub fn write_criteria(folder: &Path, robots: &[CriterionRatios]) -> Result<PathBuf, Error> {
-    let path = write_figure(folder, &criteria_figure(robots))?;
+pub fn write_criteria(folder: &Path, robots: &[CriterionRatios], sheet: Sheet) -> Result<PathBuf, Error> {
+    let path = write_figure(folder, &criteria_figure(robots), sheet)?;
     write_figure_numbers(&path.with_extension("json"), robots)?;
     Ok(path)
 }
@@ -40,18 +40,21 @@ pub fn write_criteria(folder: &Path, robots: &[CriterionRatios]) -> Result<PathB
 ///
 /// # Errors
 /// [`Error`] if there is no effect with sizes, or where a figure cannot be drawn or written.
-pub fn write_levels(folder: &Path, effects: &[EffectLevels]) -> Result<Vec<PathBuf>, Error> {
+pub fn write_levels(folder: &Path, effects: &[EffectLevels], sheet: Sheet) -> Result<Vec<PathBuf>, Error> {
     if effects.is_empty() {
         let message = "no effect has a scenario without it and two sizes, each compared with d-optimal designs";
         return Err(Error::new(message));
     }
-    let figures = effects.iter().map(|levels| write_figure(folder, &levels_figure(levels))).collect();
+    let figures = effects.iter().map(|levels| write_figure(folder, &levels_figure(levels), sheet)).collect();
     write_figure_numbers(&folder.join("levels.json"), effects)?;
     figures
 }
 
-fn write_figure(folder: &Path, figure: &dyn Figure) -> Result<PathBuf, Error> {
-    let path = folder.join(format!("{}.svg", figure.name()));
-    write_text(&path, &figure.svg().map_err(DocumentError::from).map_err(cannot_be_drawn)?)?;
-    Ok(path)
+/// Draws a figure for a sheet; returns its SVG.
+fn write_figure(folder: &Path, figure: &dyn Figure, sheet: Sheet) -> Result<PathBuf, Error> {
+    let files = figure.draw(sheet).and_then(|drawing| drawing.files());
+    for (name, content) in files.map_err(DocumentError::from).map_err(cannot_be_drawn)? {
+        write(&folder.join(name), |file| file.write_all(&content))?;
+    }
+    Ok(folder.join(format!("{}.svg", figure.name())))
 }
