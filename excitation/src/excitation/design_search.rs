@@ -175,7 +175,7 @@ mod tests {
     fn problem(columns: Columns, criterion: CriterionKind, evaluations: usize) -> DesignProblem {
         let mut problem =
             DesignProblem::new(chains::crs_a460(), columns, criterion, DesignLimits::of_motion()).unwrap();
-        problem.set_budget(DesignBudget { evaluations: evaluations, ..DesignBudget::default() }).unwrap();
+        problem.set_budget(DesignBudget { evaluations, ..DesignBudget::default() }).unwrap();
         problem
     }
 

@@ -325,7 +325,7 @@ mod tests {
                 .unwrap();
         problem.set_space(DesignSpace::new(family, 10.0, vec![5, 5, 5, 3, 3, 3])).unwrap();
         problem.objective.samples = 60;
-        problem.set_budget(DesignBudget { evaluations: evaluations, ..DesignBudget::default() }).unwrap();
+        problem.set_budget(DesignBudget { evaluations, ..DesignBudget::default() }).unwrap();
         problem
     }
 
