@@ -243,7 +243,7 @@ impl Tree<'_> {
         let spec = RobotSpec {
             name: self.name.clone(),
             gravity: self.gravity,
-            base: self.from_root(base),
+            base: self.pose_in_root(base),
             coupling: self.coupling(&joints, &mut parameters)?,
             joints,
             effort: EffortInterface::Torque,
@@ -262,16 +262,16 @@ impl Tree<'_> {
     }
 
     /// Pose of a body in the frame of the root.
-    fn from_root(&self, body: usize) -> Placement {
+    fn pose_in_root(&self, body: usize) -> Placement {
         self.path(body).iter().fold(Placement::identity(), |pose, &b| pose.compose(&self.bodies[b].placement))
     }
 
     /// The collision shapes on the links that carry their bodies; what does not hang on the base stands with it.
     fn collisions(&self, base: usize, carried: &[Option<(usize, Placement)>]) -> Vec<CollisionShape> {
-        let to_base = self.from_root(base).inverse();
+        let to_base = self.pose_in_root(base).inverse();
         let mut shapes = Vec::new();
         for (b, body) in self.bodies.iter().enumerate() {
-            let beside = || (0, to_base.compose(&self.from_root(b)));
+            let beside = || (0, to_base.compose(&self.pose_in_root(b)));
             for (placement, geometry) in &body.shapes {
                 let (link, pose) = carried[b].unwrap_or_else(beside);
                 let placement = pose.compose(placement);
