@@ -182,7 +182,7 @@ fn together(estimates: &[&Estimate]) -> Result<ScoredEstimate, &'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimation::{BaseEstimate, IntervalBasis, Termination};
+    use crate::estimation::{BaseEstimate, FactorisedBy, IntervalBasis, Termination};
     use crate::excitation::{HistoryPoint, radkhah2007_start};
     use crate::seed::Seed;
     use crate::study::small_results::setup;
@@ -211,6 +211,7 @@ mod tests {
             units: vec![String::new()],
             condition: 1.0,
             condition_scaled: 1.0,
+            factorised_by: FactorisedBy::default(),
             interval_basis: IntervalBasis::Scatter,
             degrees_of_freedom: 100.0,
             samples: 30,
