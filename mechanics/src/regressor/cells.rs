@@ -27,8 +27,6 @@ pub(super) struct Cells<'a> {
     pub(super) touched: Vec<Cell>,
     /// How many of them are in the order of columns.
     sorted: usize,
-    /// Place of the first column that loads each joint.
-    begins: Vec<usize>,
     /// Those of terms, where they begin: no link writes there first.
     of_terms: Vec<bool>,
 }
@@ -81,8 +79,7 @@ impl<'a> Cells<'a> {
             touched.extend((0..loaded).map(cell));
         }
         let (sums, of_terms) = (vec![Line::ZERO; lines], vec![false; lines]);
-        let begins = vec![columns.len(); n];
-        Self { regressor, columns, links, terms, strides, line: 0, sums, touched, sorted: 0, begins, of_terms }
+        Self { regressor, columns, links, terms, strides, line: 0, sums, touched, sorted: 0, of_terms }
     }
 
     /// Adds one sample of each block; the `FIRST` of them takes the place of what was there.
@@ -187,9 +184,6 @@ impl Cells<'_> {
             self.sorted = self.touched.len();
             // Column by column, as they stand in memory.
             self.touched.sort_unstable_by_key(|cell| (cell.place, cell.joint));
-            for cell in self.touched.iter().rev() {
-                self.begins[cell.joint] = cell.place;
-            }
         }
         if block > 1 {
             let scale = 1.0 / block as f64;
@@ -202,15 +196,9 @@ impl Cells<'_> {
     /// Writes the sums of `count` blocks into rows of W, n × wanted of each block after the other.
     #[inline(always)]
     pub(super) fn write_in_rows(&self, blocks: &mut [f64], count: usize) {
-        let (sample, wanted) = (self.sums.len(), self.columns.len());
-        // Zeros bring memory into the cache without a look at what it held.
-        blocks[..count * sample].fill(0.0);
-        for (lane, block) in blocks.chunks_exact_mut(sample).enumerate().take(count) {
-            let joints = block.chunks_exact_mut(wanted).zip(self.sums.chunks_exact(wanted));
-            for ((to, sums), &begin) in joints.zip(&self.begins) {
-                for (to, sum) in to[begin..].iter_mut().zip(&sums[begin..]) {
-                    *to = sum.0[lane];
-                }
+        for (lane, block) in blocks.chunks_exact_mut(self.sums.len()).enumerate().take(count) {
+            for (to, sum) in block.iter_mut().zip(&self.sums) {
+                *to = sum.0[lane];
             }
         }
     }
