@@ -277,6 +277,6 @@ mod tests {
         assert_eq!((of("i-optimal", 7.0), of("a criterion from outside", 7.0)), (7.0, 7.0));
         let stated = design.values();
         let is_stated = |kind: &CriterionKind| stated.iter().any(|(name, _)| *name == kind.name());
-        assert!(CriterionKind::ALL.iter().filter(|kind| kind.is_larger_better()).all(is_stated));
+        assert!(CriterionKind::ALL.iter().filter(|kind| kind.criterion().is_larger_better()).all(is_stated));
     }
 }
