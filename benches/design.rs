@@ -27,12 +27,15 @@ fn main() {
                     .expect("a bundled robot has a base");
             let shares = &nominal.relative_uncertainty;
             let spread = ParameterSpread::of(&robot, &nominal.parameters, shares, CONFIDENCE_95);
-            let limits = DesignLimits::of_motion()
-                .with_uncertain_efforts(nominal.parameters.clone(), spread)
-                .and_then(|limits| limits.with_margins(Margins { torque: 1.0, ..Margins::default() }))
-                .and_then(|limits| limits.with_ramps(2.0))
-                .and_then(|limits| limits.with_clearance(0.02));
-            problem.set_limits(limits.expect("the limits are possible")).expect("the limits are those of the robot");
+            let limits = DesignLimits {
+                nominal: Some(nominal.parameters.clone()),
+                spread: Some(spread),
+                margins: Margins { torque: 1.0, ..Margins::default() },
+                ramp_s: Some(2.0),
+                clearance_m: Some(0.02),
+                ..DesignLimits::of_motion()
+            };
+            problem.set_limits(limits).expect("the limits are possible, and those of the robot");
             let began = Instant::now();
             let mut designs = vec![design(&problem, Seed::new(1), 0).expect("the problem is possible")];
             let one = began.elapsed().as_secs_f64();

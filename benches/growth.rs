@@ -133,9 +133,9 @@ fn designs(figure: &str, robot: &Robot, harmonics: usize, size: usize) {
         let mut problem = DesignProblem::new(robot.clone(), COLUMNS, criterion, DesignLimits::of_motion())
             .expect("a chain has a base");
         problem
-            .set_space(DesignSpace::new(Family::Fourier, 10.0, vec![harmonics; robot.dof()]).expect("joints"))
+            .set_space(DesignSpace::new(Family::Fourier, 10.0, vec![harmonics; robot.dof()]))
             .expect("a space that is possible");
-        problem.set_budget(DesignBudget::new(100).expect("not zero"));
+        problem.set_budget(DesignBudget { evaluations: 100, ..DesignBudget::default() }).expect("not zero");
         print(
             figure,
             criterion.name(),

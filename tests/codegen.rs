@@ -179,7 +179,7 @@ fn identity_compiled_source_has_the_torque_of_all_parameters() {
                 [q, qd, qdd]
             })
             .collect();
-        let expected = expected(robot, parameters, &states, model.offset_in_weight());
+        let expected = expected(robot, parameters, &states, &model.offset_in_weight);
         let size = expected.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
         let mut evaluated = vec![0.0; robot.dof()];
         for ([q, qd, qdd], expected) in states.iter().zip(expected.chunks(robot.dof())) {

@@ -179,9 +179,7 @@ impl Chain {
             base: Placement::identity(),
             joints: joints.collect(),
             coupling: None,
-            shapes: Vec::new(),
-            obstacles: Vec::new(),
-            may_touch: Vec::new(),
+            ..RobotSpec::default()
         })
         .expect("a chain that Robot accepts");
         let mut parameters = StandardParameters::zero(robot.dof());

@@ -1,19 +1,26 @@
-"""One Monte Carlo run of experiments/01-criteria as a Python program would do it, on NumPy and Pinocchio.
+"""One Monte Carlo run of experiments/01-criteria as a Python program would do it, on MuJoCo, NumPy and Pinocchio.
 
-It simulates nothing: the torque of one period is inverse dynamics of the trajectory itself, with friction and rotors, repeated for
-five periods with noise and the resolution of encoders and converters. Processing, regressor, ordinary and weighted least
-squares of 58 base parameters with standard deviations, and the prediction of 20 fresh motions are those of the study; what the runs
-of one design share (motions, their Fourier matrices, the regressor of the fresh motions) is made once and not timed.
+MuJoCo's `rollout` simulates six periods at 1 kHz by its Euler step: the arm with rotors, viscous friction and friction loss under
+position and velocity feedback with the torque of inverse dynamics fed forward. The last five periods get noise and the resolution of
+encoders and converters. Processing, regressor, ordinary and weighted least squares of 58 base parameters with standard deviations,
+and the prediction of 20 fresh motions are those of the study. What the runs of one design share (motions, commands, the regressor of
+the fresh motions) is made once and not timed.
 """
 
+import mujoco
+import mujoco.rollout
 import numpy as np
 import pinocchio as pin
-from arm import BODY, build, columns_of
+from arm import BODY, build, columns_of, placements
 
 PERIOD, RATE, PERIODS, HARMONICS, KEPT = 10.0, 1000, 5, 5, 500
 SAMPLES = int(PERIOD * RATE)
 # The rotors that the links do not hide.
 ROTORS = [2, 3, 4, 5]
+# Viscous friction, Coulomb friction and bias of six joints, and the rotors.
+DRIVES = np.tile([2.0, 3.0, 0.1, 0.5], 6)[:22]
+# Feedback, N·m/rad and N·m·s/rad.
+GAINS = np.array([[3000.0], [300.0]])
 
 
 def motion(draw, samples):
@@ -40,6 +47,25 @@ def drives(v, a):
     return out
 
 
+def simulator():
+    """The same arm in MuJoCo; torque is its control."""
+    spec, inertia = mujoco.MjSpec(), pin.Inertia.FromDynamicParameters(np.array(BODY))
+    spec.option.timestep, body = 1 / RATE, spec.worldbody
+    about = inertia.inertia
+    for i, step in enumerate(placements()[:-1]):
+        quaternion = pin.Quaternion(step.rotation)
+        body = body.add_body(pos=step.translation, quat=[quaternion.w, quaternion.x, quaternion.y, quaternion.z])
+        body.mass, body.ipos, body.explicitinertial = inertia.mass, inertia.lever, True
+        body.fullinertia = [about[0, 0], about[1, 1], about[2, 2], about[0, 1], about[0, 2], about[1, 2]]
+        rotor = DRIVES[18 + ROTORS.index(i)] if i in ROTORS else 0.0
+        joint = body.add_joint(name=f"joint{i + 1}", armature=rotor, damping=DRIVES[i], frictionloss=DRIVES[6 + i])
+        position, velocity, torque = (spec.add_actuator(target=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT) for _ in range(3))
+        position.set_to_position(kp=GAINS[0, 0])
+        velocity.set_to_velocity(kv=GAINS[1, 0])
+        torque.set_to_motor()
+    return spec.compile()
+
+
 class Pipeline:
     def __init__(self, base):
         self.model, self.data, change = build()
@@ -49,11 +75,17 @@ class Pipeline:
         self.columns = columns_of(change, base)
         draw = np.random.default_rng(1)
         self.motion = motion(draw, SAMPLES)
-        self.friction = drives(*self.motion[1:]) @ np.tile([2.0, 3.0, 0.1, 0.5], 6)[:22]
+        self.arm = simulator()
+        self.arm_data = mujoco.MjData(self.arm)
+        # Position, velocity and torque of each joint, for all periods; the friction loss of MuJoCo has no bias.
+        forward = self.torque(*self.motion)
+        command = np.stack([*self.motion[:2], forward - DRIVES[12:18]], axis=2).reshape(SAMPLES, 18)
+        self.command = np.tile(command, (1 + PERIODS, 1))
         fresh = [np.vstack(part) for part in zip(*(motion(draw, 100) for _ in range(20)))]
-        self.fresh = self.regressor(*fresh)
-        self.exact = np.array([pin.rnea(self.model, self.data, *state) for state in zip(*fresh)]) + (
-            drives(*fresh[1:]) @ np.tile([2.0, 3.0, 0.1, 0.5], 6)[:22])
+        self.fresh, self.exact = self.regressor(*fresh), self.torque(*fresh)
+
+    def torque(self, q, v, a):
+        return np.array([pin.rnea(self.model, self.data, *state) for state in zip(q, v, a)]) + drives(v, a) @ DRIVES
 
     def regressor(self, q, v, a):
         stack = np.empty((6 * len(q), 60))
@@ -62,10 +94,16 @@ class Pipeline:
         return np.hstack([stack @ self.columns, drives(v, a).reshape(6 * len(q), -1)])
 
     def recording(self, draw):
-        q, v, a = self.motion
-        torque = np.array([pin.rnea(self.model, self.data, *state) for state in zip(q, v, a)]) + self.friction
-        position = np.round(np.tile(q, (PERIODS, 1)) / 1.6e-5) * 1.6e-5
-        effort = np.tile(torque, (PERIODS, 1)) + draw.normal(size=(PERIODS * SAMPLES, 6)) * 0.3
+        q, v, _ = self.motion
+        start = np.concatenate([[0.0], q[0], v[0]])
+        states, _ = mujoco.rollout.rollout(self.arm, self.arm_data, start, self.command)
+        # The state at each command, from the one before on; what feedback and feed-forward gave then.
+        states = np.vstack([start, states[0, :-1]])
+        command = self.command.reshape(-1, 6, 3)
+        off = [command[:, :, order] - states[:, 1 + 6 * order : 7 + 6 * order] for order in (0, 1)]
+        torque = GAINS[0] * off[0] + GAINS[1] * off[1] + command[:, :, 2] + DRIVES[12:18]
+        position = np.round(states[SAMPLES:, 1:7] / 1.6e-5) * 1.6e-5
+        effort = torque[SAMPLES:] + draw.normal(size=(PERIODS * SAMPLES, 6)) * 0.3
         return position, np.round(effort / 0.07) * 0.07
 
     def processed(self, position, effort):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Every comparison of armid with other libraries in one run: one table in Markdown, one JSON file.
 
-    python3 -m venv venv && venv/bin/pip install pin cmeel-eigen casadi scipy
+    python3 -m venv venv && venv/bin/pip install pin cmeel-eigen casadi scipy mujoco==3.17.0
     scripts/get-mujoco
     venv/bin/python benches/peers/table.py -o benches/peers/table.json
 
@@ -119,7 +119,8 @@ def simulation(programs, quiet, turns):
     found = {name: mujoco.least(f"(?m)^{line}{NS}") for name, line in {
         "euler": "MuJoCo's Euler step, no friction", "rk4": "MuJoCo's RK4 step, no friction", "forward": "analytic forward dynamics",
         "servo": "servo: controller, sensors, phases", "lane": "analytic plant, 8 runs in lanes",
-        "lane smooth": "analytic plant, 8 runs in lanes, no friction", "own rk4": "analytic plant's RK4 step, no friction"}.items()}
+        "lane smooth": "analytic plant, 8 runs in lanes, no friction", "lane rest": "analytic plant, 8 runs in lanes, at rest",
+        "own rk4": "analytic plant's RK4 step, no friction"}.items()}
     found["experiment"] = step.least(r"period 10 s: .*?([0-9.]+) µs per servo step")
     found["experiment 16"] = step.least(r"period 10 s, 16 runs together: .*?([0-9.]+) µs per servo step")
     return found
@@ -152,7 +153,8 @@ def fits(programs, quiet, turns, folder):
 
 
 def study_run(programs, quiet, turns, folder):
-    """One Monte Carlo run of 01: what more runs of Table I's trajectory cost, ms of processor time; and the Python program's."""
+    """One Monte Carlo run of 01: what more runs of Table I's trajectory cost, ms of processor time; and the Python program's, which must identify
+    its arm."""
     text = (REPOSITORY / "experiments/01-criteria/study.toml").read_text()
     # Table I's family alone, with as many runs as are asked for.
     family = re.sub(r"(?m)^runs = .*$", "", text[text.rindex("[[design]]") :])
@@ -169,7 +171,11 @@ def study_run(programs, quiet, turns, folder):
     peer, seconds = Pipeline([entry["name"] for entry in json.loads(reduced.stdout)["base"]]), []
 
     def of_peer():
-        seconds.extend(processor_time(lambda: peer.run(seed))[0] for seed in range(5))
+        for seed in range(5):
+            took, estimates = processor_time(lambda: peer.run(seed))
+            seconds.append(took)
+            for _, _, error in estimates:
+                assert np.all(error < 0.02 * np.sqrt((peer.exact**2).mean(axis=0))), f"the peer predicts to {error} N·m only"
 
     in_turn(turns, small, large, of_peer)
     return {"run": 1e3 * (min(large.seconds) - min(small.seconds)) / (many - few), "python run": 1e3 * min(seconds)}

@@ -52,7 +52,7 @@ pub fn set_prior(problem: &mut DesignProblem, loaded: &LoadedRobot, paths: &[Pat
 /// Checks that robot, columns and base parameters agree, in one order.
 fn check(estimate: &Estimate, problem: &DesignProblem, loaded: &LoadedRobot, name: &str) -> Result<(), Error> {
     check_robot(estimate, name, loaded)?;
-    let columns = problem.objective().columns().to_string();
+    let columns = problem.objective().columns.to_string();
     if estimate.columns != columns {
         return Err(mismatch(name, "columns", &estimate.columns, &columns));
     }

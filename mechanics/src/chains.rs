@@ -61,9 +61,7 @@ impl ChainRecipe {
             base,
             joints,
             coupling,
-            shapes: Vec::new(),
-            obstacles: Vec::new(),
-            may_touch: Vec::new(),
+            ..RobotSpec::default()
         })
         .expect("a drawn chain is valid by construction");
         let mut parameters = StandardParameters::zero(self.dof);
@@ -187,20 +185,9 @@ pub fn planar_2r() -> Robot {
         gravity: Vector3::new(0.0, 0.0, -9.81),
         base: Placement::rotation_x(1.0, 0.0),
         joints: vec![joint("shoulder", 0.4), joint("elbow", 0.3)],
-        coupling: None,
-        shapes: Vec::new(),
-        obstacles: Vec::new(),
-        may_touch: Vec::new(),
+        ..RobotSpec::default()
     })
     .expect("two distinct joints with positive limits")
-}
-
-/// A robot with one set of limits on every joint.
-///
-/// # Panics
-/// If the limits are those of no joint.
-pub fn with_limits(robot: &Robot, limits: Limits) -> Robot {
-    robot.clone().with_joints(|joint| joint.limits = limits).expect("limits of a joint")
 }
 
 /// The CRS A460 with 12.566 rad/s² on every joint, the limits of the published comparisons.

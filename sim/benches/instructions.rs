@@ -142,7 +142,7 @@ fn whole<'a>(arm: &'a Arm, samples: &'a Samples, chain: &'a Robot) -> Vec<Piece<
     let mut problem =
         DesignProblem::new(arm.robot.clone(), Columns::RIGID, CriterionKind::Condition, DesignLimits::of_motion())
             .expect("it has a base");
-    problem.set_budget(DesignBudget::new(40).expect("not zero"));
+    problem.set_budget(DesignBudget { evaluations: 40, ..DesignBudget::default() }).expect("not zero");
     vec![
         Piece::new("identification", "sample", samples.states.len(), move || {
             let estimators = [EstimatorKind::Ols.estimator(), EstimatorKind::Wls.estimator()];

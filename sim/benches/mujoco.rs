@@ -5,6 +5,7 @@
 //! `scripts/get-mujoco`.
 #![allow(clippy::print_stdout, reason = "a benchmark prints")]
 
+use armid::dynamics::Dynamics;
 use armid::model::term::ROTOR;
 use std::num::NonZeroU32;
 use std::time::Instant;
@@ -64,25 +65,32 @@ fn race(candidates: &mut [Candidate<'_>]) -> Vec<f64> {
     best
 }
 
-/// Steps a plant, or puts it back.
-fn stepper(mut plant: impl Plant) -> impl FnMut(bool) {
+/// Velocities and torque.
+type Held = ([f64; 6], [f64; 6]);
+
+/// Steps a plant in motion, or puts it back.
+fn stepper(plant: impl Plant) -> impl FnMut(bool) {
+    stepper_held(plant, (QD, TAU))
+}
+
+fn stepper_held(mut plant: impl Plant, (qd, tau): Held) -> impl FnMut(bool) {
     move |put_back| {
         if put_back {
-            plant.reset(&Q, &QD);
+            plant.reset(&Q, &qd);
         } else {
-            plant.step(&TAU, 1e-3).expect("a finite motion");
+            plant.step(&tau, 1e-3).expect("a finite motion");
         }
     }
 }
 
 /// Steps as many runs as a study computes together, or puts them back.
-fn lanes(plant: AnalyticPlant) -> impl FnMut(bool) {
+fn lanes(plant: &AnalyticPlant, (qd, tau): Held) -> impl FnMut(bool) + use<> {
     let mut batch = plant.batch(RUNS);
     move |put_back| {
         if put_back {
             for run in 0..RUNS {
-                batch.reset(run, &Q, &QD);
-                batch.push(run, &TAU);
+                batch.reset(run, &Q, &qd);
+                batch.push(run, &tau);
             }
         } else {
             batch.step(1e-3);
@@ -125,6 +133,9 @@ fn main() {
     let mut resting = analytic(&truth);
     resting.reset(&Q, &QD);
     let mut acceleration = [0.0; 6];
+    // Held against gravity, where friction is stiffest.
+    let mut rest = ([0.0; 6], [0.0; 6]);
+    Dynamics::new(&robot, &truth).inverse(&Q, &[0.0; 6], &[0.0; 6], &mut rest.1);
 
     let mut candidates: Vec<Candidate<'_>> = vec![
         ("MuJoCo's Euler step, no friction", Box::new(own_step(model(), MujocoStepper::Euler))),
@@ -135,8 +146,8 @@ fn main() {
         ("MuJoCo plant, held Euler", Box::new(stepper(mujoco(&truth).with_scheme(MujocoScheme::HeldEuler)))),
         ("analytic plant's RK4 step, no friction", Box::new(stepper(analytic(&smooth)))),
         ("analytic plant's RK4 step", Box::new(stepper(analytic(&truth)))),
-        ("analytic plant, 8 runs in lanes, no friction", Box::new(lanes(analytic(&smooth)))),
-        ("analytic plant, 8 runs in lanes", Box::new(lanes(analytic(&truth)))),
+        ("analytic plant, 8 runs in lanes, no friction", Box::new(lanes(&analytic(&smooth), (QD, TAU)))),
+        ("analytic plant, 8 runs in lanes", Box::new(lanes(&analytic(&truth), (QD, TAU)))),
         (
             "analytic forward dynamics",
             Box::new(move |_| resting.acceleration(std::hint::black_box(&TAU), &mut acceleration)),
@@ -151,10 +162,12 @@ fn main() {
         ),
         ("rapier plant, 1 substep, no friction", Box::new(stepper(rapier(&smooth).with_substeps(NonZeroU32::MIN)))),
         ("rapier plant, 4 substeps", Box::new(stepper(rapier(&truth)))),
+        ("analytic plant's RK4 step, at rest", Box::new(stepper_held(analytic(&truth), rest))),
+        ("analytic plant, 8 runs in lanes, at rest", Box::new(lanes(&analytic(&truth), rest))),
     ];
     let mut cost = race(&mut candidates);
-    for of_all in &mut cost[8..10] {
-        *of_all /= RUNS as f64;
+    for of_all in [8, 9, 15] {
+        cost[of_all] /= RUNS as f64;
     }
     for ((name, _), cost) in candidates.iter().zip(&cost) {
         println!("{name:<44} {cost:>8.0} ns");
@@ -169,4 +182,5 @@ fn main() {
     ratio("MuJoCo plant by stages : analytic plant, both with friction", cost[3], cost[7]);
     ratio("analytic RK4 step : rapier's step of order one, both without friction", cost[6], cost[12]);
     ratio("analytic RK4 step : rapier plant of 4 substeps, both with friction", cost[7], cost[13]);
+    ratio("RK4 step in lanes, each run, at rest : in motion", cost[15], cost[9]);
 }

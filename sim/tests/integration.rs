@@ -24,9 +24,7 @@ fn pendulum() -> (Robot, StandardParameters) {
         base: *planar.base(),
         joints: planar.joints()[..1].to_vec(),
         coupling: None,
-        shapes: Vec::new(),
-        obstacles: Vec::new(),
-        may_touch: Vec::new(),
+        ..RobotSpec::default()
     })
     .unwrap();
     let mut parameters = StandardParameters::zero(1);

@@ -101,7 +101,7 @@ impl Case<'_> {
                 let curve = member.curve(joint, quantity);
                 let grid = shape.grid();
                 let on_grid = (0..grid).map(|k| curve.value(TAU * k as f64 / grid as f64).abs()).fold(0.0, f64::max);
-                let most = curve.maximum().value.max(-curve.minimum().value);
+                let most = curve.peak();
                 let law = "on the grid of the shape functions no peak of speed or acceleration hides";
                 LawError::unless_at_most(law, (most - on_grid) / most, HIDDEN)?;
             }

@@ -11,9 +11,9 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use crate::base::BaseReduction;
 use crate::dynamics::States;
-use crate::model::Robot;
+use crate::model::{EffortInterface, Robot};
 use crate::regressor::JointTorqueRegressor;
-use crate::signal::torque_per_current;
+use crate::signal::torque_map;
 
 /// Covariance of the joint torques in one raw sample, from the noise of the robot's sensors, (N·m)², n × n.
 pub fn torque_covariance(robot: &Robot) -> DMatrix<f64> {
@@ -24,7 +24,7 @@ pub fn torque_covariance(robot: &Robot) -> DMatrix<f64> {
             drive.current_noise * drive.current_noise + drive.adc_step() * drive.adc_step() / 12.0
         }),
     );
-    let per_ampere = torque_per_current(robot);
+    let per_ampere = torque_map(robot, EffortInterface::Current);
     &per_ampere * DMatrix::from_diagonal(&variance) * per_ampere.transpose()
 }
 

@@ -11,7 +11,7 @@ use super::shared_start::SharedStart;
 use super::variance_reduction::VarianceReduction;
 use crate::excitation::{
     Certificate, Criterion, CriterionKind, Design, DesignBudget, DesignLimits, DesignProblem, DesignSpace,
-    ExcitationError, HistoryPoint, Termination, design, random_design,
+    ExcitationError, ExpectedEffects, HistoryPoint, Termination, design, random_design,
 };
 use crate::observer::{Observer, Unobserved};
 use crate::trajectory::{Family, PeriodicTrajectory};
@@ -173,25 +173,25 @@ impl StudySetup {
         let harmonics = match &plan.harmonics {
             Some(HarmonicsPlan::Every(harmonics)) => vec![*harmonics; self.robot.dof()],
             Some(HarmonicsPlan::Each(harmonics)) => harmonics.clone(),
-            None => problem.space().harmonics().to_vec(),
+            None => problem.space().harmonics.clone(),
         };
-        let mut space = DesignSpace::new(plan.family()?, self.plan.experiment.period_s, harmonics)?;
+        let mut space = DesignSpace::new(plan.family()?, self.plan.experiment.period_s, harmonics);
         for (found, place) in &plan.freeze {
             let names: Vec<&str> = self.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
             let index = names
                 .iter()
                 .position(|known| known == found)
                 .ok_or_else(|| plan_error::name("design.freeze", found, names.iter().copied()))?;
-            space = space.with_frozen(index, *place)?;
+            space.frozen[index] = Some(*place);
         }
         problem.set_space(space)?;
         if let Some(most) = plan.rms_speed {
-            problem.set_limits(problem.limits().clone().with_rms_speed(most)?)?;
+            problem.set_limits(DesignLimits { rms_speed: Some(most), ..problem.limits().clone() })?;
         }
         if expects_effects {
             let expected = expected.expected(&self.robot, &self.nominal);
             let expected = expected.map_err(|fault| plan_error::expected(&fault))?;
-            problem.set_expected(if is_measured { expected.carried() } else { expected })?;
+            problem.set_expected(ExpectedEffects { are_carried: is_measured, ..expected })?;
         }
         if let Some(prior) = self.collected(before)? {
             problem.set_prior(prior)?;
@@ -207,13 +207,13 @@ impl StudySetup {
         evaluations: usize,
     ) -> Result<DesignProblem, ExcitationError> {
         let sigma = (0..self.robot.dof()).map(|j| self.noise[(j, j)].sqrt()).collect();
-        let limits = DesignLimits::of_motion().with_efforts(self.nominal.clone());
+        let limits = DesignLimits { nominal: Some(self.nominal.clone()), ..DesignLimits::of_motion() };
         let mut problem = DesignProblem::new(self.robot.clone(), self.regressor.columns(), criterion, limits)?;
         let experiment = &self.plan.experiment;
         let harmonics = vec![experiment.harmonics; self.robot.dof()];
-        problem.set_space(DesignSpace::new(Family::Fourier, experiment.period_s, harmonics)?)?;
+        problem.set_space(DesignSpace::new(Family::Fourier, experiment.period_s, harmonics))?;
         problem.set_noise(sigma)?;
-        problem.set_budget(DesignBudget::new(evaluations)?);
+        problem.set_budget(DesignBudget { evaluations, ..DesignBudget::default() })?;
         problem.set_reference_units(self.plan.reference.clone());
         problem.set_rows(self.robot.dof() as f64 * self.raw_samples() * experiment.periods as f64)?;
         Ok(problem)

@@ -180,7 +180,7 @@ fn together(estimates: &[&Estimate]) -> Result<ScoredEstimate, &'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimation::{BaseEstimate, IntervalBasis, Termination};
+    use crate::estimation::{BaseEstimate, FactorisedBy, IntervalBasis, Termination};
     use crate::excitation::{HistoryPoint, radkhah2007_start};
     use crate::seed::Seed;
     use crate::study::small_results::setup;
@@ -209,6 +209,7 @@ mod tests {
             units: vec![String::new()],
             condition: 1.0,
             condition_scaled: 1.0,
+            factorised_by: FactorisedBy::default(),
             interval_basis: IntervalBasis::Scatter,
             degrees_of_freedom: 100.0,
             samples: 30,
@@ -274,6 +275,6 @@ mod tests {
         assert_eq!((of("i-optimal", 7.0), of("a criterion from outside", 7.0)), (7.0, 7.0));
         let stated = design.values();
         let is_stated = |kind: &CriterionKind| stated.iter().any(|(name, _)| *name == kind.name());
-        assert!(CriterionKind::ALL.iter().filter(|kind| kind.is_larger_better()).all(is_stated));
+        assert!(CriterionKind::ALL.iter().filter(|kind| kind.criterion().is_larger_better()).all(is_stated));
     }
 }

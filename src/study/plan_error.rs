@@ -81,7 +81,6 @@ pub(super) fn expected(fault: &ExpectedEffectError) -> StudyPlanError {
         ExpectedEffectError::NoLaw { found } => {
             name("design.expected", found.name(), Effects::EXPECTABLE.map(EffectKind::name))
         }
-        ExpectedEffectError::Law(fault) => number("design.expected", fault, "effects that the robot can have"),
     }
 }
 

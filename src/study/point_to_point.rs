@@ -108,7 +108,7 @@ mod tests {
             (100.0, 1e9, 3.0, (60.0_f64 / 2.4).cbrt()),
         ] {
             let limits = Limits { velocity, acceleration, jerk, ..Limits::NONE };
-            let robot = chains::with_limits(&chains::planar_2r(), limits);
+            let robot = chains::planar_2r().with_joints(|joint| joint.limits = limits).unwrap();
             let made = PointToPointMove::within_limits(&robot, vec![0.0, 0.3], vec![1.0, 0.2], 0.8);
             assert!((made.duration_s - duration).abs() < 1e-12 * duration, "{} {duration}", made.duration_s);
             let states = made.sample(2001);

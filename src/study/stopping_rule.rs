@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! d_k = ȳ_1k − ȳ_2k      ȳ_fk mean over runs of the logarithm of the metric of start k of family f
-//! ratio exp( d̄ ),  interval exp( d̄ ± h_j ) at look j, valid under any stopping rule (ErrorSpending)
+//! ratio exp( d̄ ),  interval exp( d̄ ± h_j ) at look j, valid under any stopping rule (pocock_bounds)
 //! ends where e^{h_j} − 1 < the share that is wanted
 //! ```
 //! A pair of starts is one unit, however many runs each has: runs of one design share its trajectory and are no replicates of
@@ -12,7 +12,7 @@ use super::metric::Metric;
 use super::plan::StudyPlan;
 use super::plan_error::{StudyPlanError, family_name, number};
 use crate::remedy::{Remedy, Setting};
-use crate::statistics::{ErrorSpending, Interval, mean, repeated_interval};
+use crate::statistics::{Interval, mean, pocock_bounds, repeated_interval};
 
 /// Starts at the first look.
 const FIRST_LOOK: usize = 4;
@@ -129,7 +129,7 @@ impl StoppingRule {
         }
         looks.push(starts);
         let fractions: Vec<f64> = looks.iter().map(|&look| look as f64 / starts as f64).collect();
-        looks.into_iter().zip(ErrorSpending::Pocock.bounds(&fractions, LEVEL)).collect()
+        looks.into_iter().zip(pocock_bounds(&fractions, LEVEL)).collect()
     }
 
     /// The logarithm of the ratio of a pair of starts by the values of their runs; `None` where one of them has none.

@@ -84,7 +84,7 @@ fn an_arm_from_outside_obeys_the_laws() {
 
 #[test]
 fn an_arm_from_outside_is_identified() {
-    let robot = planar_2r().with_effort(EffortInterface::Torque);
+    let robot = planar_2r().changed(|spec| spec.effort = EffortInterface::Torque).unwrap();
     let identification = Identification::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
     let mut errors = Vec::new();
     for error in [0.0, 0.5] {

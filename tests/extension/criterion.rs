@@ -41,10 +41,6 @@ impl Criterion for SquaredVariances {
         Score::exact(0.5 * trace.ln())
     }
 
-    fn report(&self, value: f64) -> f64 {
-        value.exp()
-    }
-
     fn is_weighted(&self) -> bool {
         true
     }
@@ -60,7 +56,9 @@ fn a_criterion_from_outside_makes_a_design_that_is_best_by_it() {
     let designed = |criterion: Arc<dyn Criterion>| {
         let mut problem =
             DesignProblem::new(planar_2r(), Columns::RIGID, criterion, DesignLimits::of_motion()).unwrap();
-        problem.set_budget(DesignBudget::new(200).unwrap().with_certificate_samples(500).unwrap());
+        problem
+            .set_budget(DesignBudget { evaluations: 200, certificate_samples: 500, ..DesignBudget::default() })
+            .unwrap();
         let designs: Vec<_> = (0..3).map(|start| design(&problem, Seed::new(3), start).unwrap()).collect();
         let best = best_of(&designs).expect("a design inside the limits").clone();
         let m = problem.information(&best.trajectory).unwrap();

@@ -171,8 +171,8 @@ fn a_design_in_a_family_from_outside_keeps_the_limits_and_is_performed() {
     let mut problem =
         DesignProblem::new(robot.clone(), Columns::RIGID, CriterionKind::DOptimal, DesignLimits::of_motion()).unwrap();
     let family: Arc<dyn TrajectoryFamily> = Arc::new(OddFamily);
-    problem.set_space(DesignSpace::new(family, 4.0, vec![3, 2]).unwrap()).unwrap();
-    problem.set_budget(DesignBudget::new(60).unwrap().with_certificate_samples(500).unwrap());
+    problem.set_space(DesignSpace::new(family, 4.0, vec![3, 2])).unwrap();
+    problem.set_budget(DesignBudget { evaluations: 60, certificate_samples: 500, ..DesignBudget::default() }).unwrap();
     let made = design(&problem, Seed::new(1), 0).unwrap();
     assert!(made.termination.is_feasible(), "{:?}", made.termination);
     assert!(made.value > made.history[0].value + 1.0, "{:?}", made.history);

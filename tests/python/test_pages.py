@@ -1,4 +1,5 @@
-"""The pages of `docs/` tell the truth: each command in a `console` block is run, and its answer is the one on the page.
+"""The pages tell the truth. Each command in a `console` block of `docs/` is run, and its answer is the one on the page. Each command of
+armid in an `sh` block of any page has only flags and values that there are.
 
 A page runs in an empty folder, or in a copy of the folder with the page's name. Answers are compared without their numbers. `…` stands for
 the rest of an answer. `WRITE=1` writes the answers anew, as many lines of each as the page shows.
@@ -6,6 +7,7 @@ the rest of an answer. `WRITE=1` writes the answers anew, as many lines of each 
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import tempfile
@@ -14,7 +16,26 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 ARMID = Path(os.environ["ARMID"]).resolve()
+SHELL = re.compile(r"^```sh\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 BLOCK = re.compile(r"^```console\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def commands(block):
+    """Words behind `armid` of each command of it in a block of shell; pipes and lists of commands are taken apart."""
+    for line in re.sub(r"\$\w+", "1", block.replace("\\\n", " ")).splitlines():
+        words = shlex.shlex(line, posix=True, punctuation_chars="|&;<>()")
+        words.whitespace_split = True
+        command = []
+        for word in [*words, ";"]:
+            if word and set(word) <= set("|&;<>()"):
+                if command[:4] == ["cargo", "run", "--release", "--"]:
+                    command[:4] = ["armid"]
+                if command[:1] == ["armid"]:
+                    # Words behind a second `--` are for another program.
+                    yield command[1 : command.index("--") if "--" in command else None]
+                command = []
+            else:
+                command.append(word)
 
 
 def steps(block):
@@ -73,6 +94,18 @@ class Pages(unittest.TestCase):
                 text = self.run_page(page)
                 if os.environ.get("WRITE"):
                     page.write_text(text, encoding="utf-8")
+
+    def test_every_command_in_a_block_of_shell_has_flags_and_values_that_there_are(self):
+        listed = subprocess.run(["git", "ls-files", "*.md"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
+        count = 0
+        for page in listed.split():
+            for block in SHELL.findall((ROOT / page).read_text(encoding="utf-8")):
+                for words in commands(block):
+                    count += 1
+                    # Help is shown once all words before it are understood; nothing is performed.
+                    run = subprocess.run([ARMID, *words, "--help"], capture_output=True, text=True)
+                    self.assertEqual(run.returncode, 0, f"{page}: armid {shlex.join(words)}\n{run.stderr}")
+        self.assertGreater(count, 60)
 
     def test_the_figure_of_base_parameters_is_what_reduce_says(self):
         folder = ROOT / "docs/concepts"

@@ -77,7 +77,7 @@ impl SetPoints {
             joints: plan.trajectory.names().into_iter().map(str::to_owned).collect(),
             rate_hz: plan.rate_hz,
             duration_s: samples as f64 / plan.rate_hz,
-            periodic_from_s: command.periodic_begin_s(),
+            periodic_from_s: command.periodic_s,
             period_s: plan.trajectory.period_s(),
             largest: (0..n).map(|i| [most(i), most(n + i), most(2 * n + i)]).collect(),
             rows,

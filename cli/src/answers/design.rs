@@ -92,7 +92,7 @@ impl DesignText<'_> {
             answer.problem.robot().name(),
             best.criterion,
             answer.problem.base().rank(),
-            answer.problem.objective().columns(),
+            answer.problem.objective().columns,
             answer.designs.len(),
             answer.seconds,
             best.termination.name(),

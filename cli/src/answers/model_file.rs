@@ -3,14 +3,22 @@
 use std::fmt::Write;
 
 use armid::estimation::BodyOrigin;
-use armid_workflow::export::{ModelFile, Snapping, SourceFile};
+use armid_workflow::export::{ModelFile, ModelPrediction, Snapping, SourceFile};
 use armid_workflow::numbers::{error_percent, number};
 
 use super::findings::paragraph;
-use crate::terminal::Table;
 
 pub(crate) fn model_file_text(file: &ModelFile) -> String {
+    let ModelPrediction { limit, good, .. } = &file.prediction;
     let mut text = format!("{}\n", file.prediction.sentence(&file.name));
+    if !good {
+        let failed = format!(
+            "failed: the error on the log of the fit is more than {limit} times that of the estimate. The file is written; its bodies \
+             and drives are fitted to the log as well as a {} can. `--to c` has every term of the estimate",
+            file.to.name()
+        );
+        text += &paragraph(&failed, 2);
+    }
     for lacking in &file.lacking {
         let _ = writeln!(
             text,
@@ -56,25 +64,20 @@ pub(crate) fn model_file_text(file: &ModelFile) -> String {
     for remark in &file.remarks {
         let _ = writeln!(text, "{remark}");
     }
-    text.extend(file.snapped.iter().map(|snapped| snapping_text(snapped, &file.joints)));
+    text.extend(file.snapped.iter().map(snapping_text));
     text
 }
 
-fn snapping_text(Snapping { joints, largest_angle_rad, torque, torque_units }: &Snapping, names: &[String]) -> String {
+fn snapping_text(Snapping { joints, largest_angle_rad, torque, .. }: &Snapping) -> String {
     let joints: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
+    let most = torque.relative_rms.iter().copied().fold(0.0, f64::max);
     let sentence = format!(
-        "the URDF as written, with its angles up to {largest_angle_rad:.1e} rad off right ones ({}), has another torque than the \
-         model: over {} random states inside the limits",
+        "angles of the URDF up to {largest_angle_rad:.1e} rad off right ones ({}) are taken as right: that changes at most {:.1e} % of a \
+         joint's torque",
         joints.join(", "),
-        torque.states,
+        100.0 * most,
     );
-    let mut table = Table::of("joint | #difference RMS | #largest | #of its torque");
-    for (i, name) in names.iter().enumerate() {
-        let of = |value: f64| format!("{value:.1e} {}", torque_units[i]);
-        let share = format!("{} %", number(100.0 * torque.relative_rms[i]));
-        table.row([name.clone(), of(torque.rms[i]), of(torque.largest[i]), share]);
-    }
-    format!("{}{}", paragraph(&sentence, 0), table.render(2))
+    paragraph(&sentence, 0)
 }
 
 pub(crate) fn source_text(source: &SourceFile) -> String {

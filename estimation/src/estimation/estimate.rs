@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::consistent_set::definite_inverse;
 use super::error::EstimationError;
+use super::factorisation::FactorisedBy;
 use super::finding::Finding;
 use super::load_friction;
 use super::position_servo::ServoEstimate;
@@ -114,6 +115,9 @@ pub struct Estimate {
     /// Condition number of the equations with columns of unit length.
     #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub condition_scaled: f64,
+    /// The method that condensed the equations of a long recording.
+    #[serde(default)]
+    pub factorised_by: FactorisedBy,
     /// The source of the noise behind the intervals.
     pub interval_basis: IntervalBasis,
     /// Degrees of freedom behind the intervals.

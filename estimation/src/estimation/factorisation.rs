@@ -6,9 +6,17 @@
 //! Rows of R̂ are samples too, as few as there are columns: any sum over samples of products of two equations, with any
 //! weights between the joints of a sample, is the same sum over the rows of R̂. So ordinary and weighted least squares,
 //! the covariance of a residual, the covariance of β̂ under noise that is white in time, and each repetition of an
-//! estimator that finds weights for joints by iteration cost as much as for some hundred samples. R̂ is found by
-//! reflections, block by block ([`RowFactor`]), and so is each solution from it: nothing is squared, and condition
-//! numbers of 1e8 and more do as little harm as in a QR of W itself.
+//! estimator that finds weights for joints by iteration cost as much as for some hundred samples.
+//!
+//! ```text
+//! e ε √b κ ‖s/σ‖ ≤ 1e-4        s_i = ‖τ_i‖ + Σ_j |β_j| ‖w_ij‖,  σ_i: deviation of joint i's residual
+//! ```
+//! R̂ of long groups is a root of the columns' products ([`ColumnProducts`]) where that is harmless. Rounding moves a product by at
+//! most e errors ε of its columns' lengths. So it moves no estimate by more than the left side, in its own standard deviations, with
+//! the condition number κ of the equations that are weighted by 1/σ, of columns of unit length. Squares of joint i's residual change by
+//! `e ε s_i²` at most, which is bounded alike.
+//! Elsewhere, as on a recording without noise, R̂ is found by reflections ([`RowFactor`]), which square nothing: condition numbers of
+//! 1e8 do as little harm as in a QR of W itself. Solutions are found from R̂ by reflections in either case.
 //!
 //! Samples of which some joints are no equation are a group of their own for each set of such joints. A group that is not longer
 //! than two such factors stays as it is.
@@ -16,6 +24,7 @@
 use std::sync::OnceLock;
 
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 
 use super::discrepancy::Discrepancy;
 use super::error::EstimationError;
@@ -23,11 +32,26 @@ use super::observation::Observation;
 use super::omitted::OmittedTorque;
 use super::residual::{ResidualScale, scatter_noise};
 use crate::linalg::product::add_product;
-use crate::linalg::{BlockWhitening, LeastSquares, LeastSquaresError, RowFactor, transpose_product};
+use crate::linalg::{BlockWhitening, ColumnProducts, LeastSquares, LeastSquaresError, RowFactor, transpose_product};
 use crate::signal::Samples;
 
 /// Groups of more samples than this many times their columns are replaced by their factor.
 const WORTH_FACTORING: usize = 2;
+/// Groups of more samples than this many times their columns are worth the check of what products of the columns lose.
+const WORTH_PRODUCTS: usize = 16;
+/// Standard deviations by which rounding of products may move an estimate, and share by which it may move a residual's squares.
+const HARMLESS: f64 = 1e-4;
+
+/// The method that condensed the equations of a recording.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FactorisedBy {
+    /// Products of their columns, which square the condition number. The data showed that it does no harm.
+    NormalEquations,
+    /// Reflections, or they were few and none was replaced.
+    #[default]
+    Qr,
+}
 
 /// The equations of an observation in as few samples as hold all that linear estimators ask.
 ///
@@ -51,6 +75,7 @@ const WORTH_FACTORING: usize = 2;
 pub struct Factorisation<'a> {
     observation: &'a Observation,
     groups: Vec<SampleGroup>,
+    by: FactorisedBy,
     ordinary: OnceLock<Result<LeastSquares, EstimationError>>,
     discrepancy: OnceLock<Result<Option<Discrepancy>, EstimationError>>,
     omitted: Option<OmittedTorque>,
@@ -83,9 +108,16 @@ impl<'a> Factorisation<'a> {
         if !rows.is_multiple_of(n) {
             return Err(LeastSquaresError::Blocks { rows, size: n }.into());
         }
-        let groups: Vec<SampleGroup> = patterns(observation)
-            .into_iter()
-            .map(|(used, samples)| SampleGroup::of(observation, used, &samples))
+        let patterns = patterns(observation);
+        if let Some(found) = Self::by_products(observation, &patterns) {
+            return Ok(found);
+        }
+        let groups: Vec<SampleGroup> = patterns
+            .iter()
+            .map(|(used, samples)| {
+                let rows = Entries::of(observation, used, samples).rows_by_reflections();
+                SampleGroup { used: used.clone(), rows }
+            })
             .collect();
         // A number that is not finite is in the factor too.
         if groups.iter().any(|group| group.rows.iter().any(|value| !value.is_finite())) {
@@ -94,7 +126,72 @@ impl<'a> Factorisation<'a> {
             let (row, value) = all.find(|(_, value)| !value.is_finite()).unwrap_or((0, f64::INFINITY));
             return Err(LeastSquaresError::NotFinite { row, value }.into());
         }
-        Ok(Self { observation, groups, ordinary: OnceLock::new(), discrepancy: OnceLock::new(), omitted: None })
+        Ok(Self::of(observation, groups, FactorisedBy::Qr))
+    }
+
+    const fn of(observation: &'a Observation, groups: Vec<SampleGroup>, by: FactorisedBy) -> Self {
+        Self { observation, groups, by, ordinary: OnceLock::new(), discrepancy: OnceLock::new(), omitted: None }
+    }
+
+    /// Of long groups the factor by products, if there are any and rounding does no harm.
+    fn by_products(observation: &'a Observation, patterns: &[(Vec<bool>, Vec<usize>)]) -> Option<Self> {
+        let entries: Vec<_> = patterns.iter().map(|(used, samples)| Entries::of(observation, used, samples)).collect();
+        if !entries.iter().any(|entries| entries.fill(WORTH_PRODUCTS)) {
+            return None;
+        }
+        let groups = patterns
+            .iter()
+            .zip(&entries)
+            .map(|((used, _), entries)| Some(SampleGroup { used: used.clone(), rows: entries.rows_by_products()? }));
+        let found = Self::of(observation, groups.collect::<Option<_>>()?, FactorisedBy::NormalEquations);
+        let errors =
+            |entries: &Entries<'_>| ColumnProducts::rounding_errors(entries.samples.len(), entries.places.len());
+        let errors = entries.iter().map(errors).fold(0.0, f64::max);
+        (found.harm(errors)? <= HARMLESS).then_some(found)
+    }
+
+    /// Standard deviations by which so many rounding errors of each product move an estimate at most, or the share of a joint's residual
+    /// squares if that is more; `None` where a residual is zero. Noise of different joints counts as independent.
+    fn harm(&self, errors: f64) -> Option<f64> {
+        let (n, b, ordinary) = (self.observation.dof, self.observation.regressor.ncols(), self.least_squares().ok()?);
+        let products = self.residual_products(ordinary.solution());
+        let covariance = ResidualScale::of(self.observation).covariance(&products);
+        let mut weights = DMatrix::identity(n, n);
+        // Of ordinary least squares no deviation is below the quietest joint's.
+        let (mut weighted, mut all, mut least, mut of_residual) = (0.0, 0.0, f64::INFINITY, 0.0);
+        for i in (0..n).filter(|&i| self.groups.iter().any(|group| group.used[i])) {
+            let (variance, length) = (covariance[(i, i)], self.summed_length(i, ordinary.solution()));
+            let squares = length * length;
+            if variance <= 0.0 {
+                return None;
+            }
+            weights[(i, i)] = variance;
+            (weighted, all, least) = (weighted + squares / variance, all + squares, f64::min(least, variance));
+            of_residual = f64::max(of_residual, squares / products[(i, i)]);
+        }
+        let weights = BlockWhitening::new(&weights).ok()?;
+        let by_weights = self.weighted(&weights).ok()?.condition_scaled() * weighted.sqrt();
+        let by_none = ordinary.condition_scaled() * (all / least).sqrt();
+        let of_estimates = (b as f64).sqrt() * by_weights.max(by_none);
+        Some(errors * f64::EPSILON * of_estimates.max(of_residual)).filter(|harm| harm.is_finite())
+    }
+
+    /// `‖τ_i‖ + Σ_j |β_j| ‖w_ij‖` over all samples, for the equations of joint i.
+    fn summed_length(&self, i: usize, beta: &DVector<f64>) -> f64 {
+        let n = self.observation.dof;
+        let squares = |j: usize| {
+            let of_group =
+                |group: &SampleGroup| group.rows.column(j).iter().skip(i).step_by(n).map(|x| x * x).sum::<f64>();
+            self.groups.iter().filter(|group| group.used[i]).map(of_group).sum::<f64>()
+        };
+        beta.iter()
+            .enumerate()
+            .fold(squares(beta.len()).sqrt(), |sum, (j, value)| sum + value.abs() * squares(j).sqrt())
+    }
+
+    /// The method that condensed the equations.
+    pub const fn factorised_by(&self) -> FactorisedBy {
+        self.by
     }
 
     /// With the torque of laws that the model omits, which the intervals of all its estimates include.
@@ -240,39 +337,76 @@ impl<'a> Factorisation<'a> {
     }
 }
 
-impl SampleGroup {
-    fn of(observation: &Observation, used: Vec<bool>, samples: &[usize]) -> Self {
+/// The columns of the joints of a group that are not zero, joint by joint, each with its torque last.
+struct Entries<'a> {
+    /// Joint and column of each; the torque's column is b.
+    places: Vec<(usize, usize)>,
+    /// Each from its joint's first row on.
+    sources: Vec<&'a [f64]>,
+    samples: &'a [usize],
+    /// n and b.
+    sizes: (usize, usize),
+}
+
+impl<'a> Entries<'a> {
+    fn of(observation: &'a Observation, used: &[bool], samples: &'a [usize]) -> Self {
         let (n, b, w) = (observation.dof, observation.regressor.ncols(), &observation.regressor);
         let rows = w.nrows();
-        // The columns of all joints that are not zero, joint by joint, each with its torque last.
         let seen = |i: usize, j: usize| samples.iter().any(|&k| w.as_slice()[j * rows + k * n + i] != 0.0);
-        let entries: Vec<(usize, usize)> = (0..n)
+        let places: Vec<(usize, usize)> = (0..n)
             .filter(|&i| used[i])
             .flat_map(|i| (0..b).filter(move |&j| seen(i, j)).map(move |j| (i, j)).chain([(i, b)]))
             .collect();
-        let column = |j: usize| if j < b { &w.as_slice()[j * rows..(j + 1) * rows] } else { observation.y.as_slice() };
-        let sources: Vec<&[f64]> = entries.iter().map(|&(i, j)| &column(j)[i..]).collect();
-        let factored = samples.len() > WORTH_FACTORING * entries.len();
-        let mut rows = DMatrix::zeros(n * if factored { entries.len() } else { samples.len() }, b + 1);
-        if factored {
-            let mut factor = RowFactor::new(entries.len());
-            factor.add(samples.len(), |k, entry| sources[entry][samples[k] * n]);
-            let factor = factor.finish();
-            for (c, &(i, j)) in entries.iter().enumerate() {
-                for k in 0..=c {
-                    rows[(k * n + i, j)] = factor[(k, c)];
-                }
-            }
-        } else {
-            for (source, &(i, j)) in sources.iter().zip(&entries) {
-                for (k, &sample) in samples.iter().enumerate() {
-                    rows[(k * n + i, j)] = source[sample * n];
-                }
-            }
-        }
-        Self { used, rows }
+        let source = |&(i, j): &(usize, usize)| {
+            if j < b { &w.as_slice()[j * rows + i..(j + 1) * rows] } else { &observation.y.as_slice()[i..] }
+        };
+        Self { sources: places.iter().map(source).collect(), places, samples, sizes: (n, b) }
     }
 
+    /// Whether there are more samples than so many times the columns.
+    const fn fill(&self, times: usize) -> bool {
+        self.samples.len() > times * self.places.len()
+    }
+
+    fn at(&self, k: usize, entry: usize) -> f64 {
+        self.sources[entry][self.samples[k] * self.sizes.0]
+    }
+
+    /// Samples whose numbers `of(k, entry)` gives, as rows of an observation.
+    fn rows(&self, samples: usize, of: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
+        let (n, b) = self.sizes;
+        let mut rows = DMatrix::zeros(n * samples, b + 1);
+        for (entry, &(i, j)) in self.places.iter().enumerate() {
+            for k in 0..samples {
+                rows[(k * n + i, j)] = of(k, entry);
+            }
+        }
+        rows
+    }
+
+    fn rows_by_reflections(&self) -> DMatrix<f64> {
+        if !self.fill(WORTH_FACTORING) {
+            return self.rows(self.samples.len(), |k, entry| self.at(k, entry));
+        }
+        let mut factor = RowFactor::new(self.places.len());
+        factor.add(self.samples.len(), |k, entry| self.at(k, entry));
+        let factor = factor.finish();
+        self.rows(factor.nrows(), |k, entry| factor[(k, entry)])
+    }
+
+    /// By products where there are many samples; `None` where those have no root.
+    fn rows_by_products(&self) -> Option<DMatrix<f64>> {
+        if !self.fill(WORTH_PRODUCTS) {
+            return Some(self.rows_by_reflections());
+        }
+        let mut products = ColumnProducts::new(self.places.len());
+        products.add(self.samples.len(), |k, entry| self.at(k, entry));
+        let root = products.root()?;
+        Some(self.rows(root.nrows(), |k, entry| root[(k, entry)]))
+    }
+}
+
+impl SampleGroup {
     /// Which rows are equations.
     fn marks(&self) -> Vec<bool> {
         self.used.iter().copied().cycle().take(self.rows.nrows()).collect()

@@ -181,6 +181,7 @@ impl Inference<'_> {
             units: observation.units.clone(),
             condition: self.fit.condition(),
             condition_scaled: self.fit.condition_scaled(),
+            factorised_by: equations.factorised_by(),
             interval_basis,
             degrees_of_freedom: freedom,
             samples: observation.samples(),

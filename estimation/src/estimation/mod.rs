@@ -75,7 +75,7 @@ pub use drive_gains::{DriveGain, DriveGains, GainMethod, drive_gains, gain_equat
 pub use error::{EstimationError, ExternalError, ProblemPart};
 pub use estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate};
 pub use estimator::Estimator;
-pub use factorisation::Factorisation;
+pub use factorisation::{Factorisation, FactorisedBy};
 pub use finding::{Finding, MisfitPart};
 pub use friction_speed::{FrictionSpeed, FrictionSpeeds};
 pub use identification::Identification;

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::error::{ExcitationError, same_length};
+use super::error::{ExcitationError, above_zero, at_least_one, finite, same_joints, same_length};
 use super::problem::DesignSpace;
 use crate::model::{Limits, Robot};
 use crate::trajectory::{
@@ -23,16 +23,16 @@ use crate::trajectory::{
 
 /// How one joint moves.
 #[derive(Clone, Debug)]
-struct JointMotion {
+pub(super) struct JointMotion {
     name: String,
     /// Its variables; none where it is frozen.
     variables: Range<usize>,
     /// Its harmonics H.
     harmonics: usize,
     /// Index of its shape.
-    shape: usize,
+    pub(super) shape: usize,
     /// Scale of each coefficient.
-    scales: Vec<f64>,
+    pub(super) scales: Vec<f64>,
     /// Where it stands still, rad.
     frozen: Option<f64>,
 }
@@ -43,8 +43,8 @@ pub struct MotionBasis {
     family: Arc<dyn TrajectoryFamily>,
     period_s: f64,
     /// The different shapes; joints of equally many harmonics share one.
-    shapes: Vec<Arc<dyn ShapeFunctions>>,
-    joints: Vec<JointMotion>,
+    pub(super) shapes: Vec<Arc<dyn ShapeFunctions>>,
+    pub(super) joints: Vec<JointMotion>,
 }
 
 impl MotionBasis {
@@ -54,13 +54,16 @@ impl MotionBasis {
     /// [`ExcitationError`] if the space is of another number of joints, a joint that moves has fewer harmonics than the
     /// family needs, no joint moves, or a joint stands still outside its limits.
     pub fn new(robot: &Robot, space: &DesignSpace) -> Result<Self, ExcitationError> {
-        same_length("numbers of harmonics", space.harmonics().len(), robot.dof())?;
-        let (family, period_s) = (Arc::clone(space.family()), space.period_s());
+        let (family, period_s) = (Arc::clone(&space.family), space.period_s);
+        above_zero("period", period_s, "s")?;
+        same_length("numbers of harmonics", space.harmonics.len(), robot.dof())?;
+        same_length("places of frozen joints", space.frozen.len(), robot.dof())?;
         let omega = TAU / period_s;
         let (mut shapes, mut kinds, mut joints, mut next) = (Vec::new(), Vec::new(), Vec::new(), 0);
-        for ((joint, &harmonics), &frozen) in robot.joints().iter().zip(space.harmonics()).zip(space.frozen()) {
+        for ((joint, &harmonics), &frozen) in robot.joints().iter().zip(&space.harmonics).zip(&space.frozen) {
             let least = family.least_harmonics();
             if let Some(place) = frozen {
+                finite("frozen position", place, "rad")?;
                 let range = joint.limits.position;
                 if !(place >= range.0 && place <= range.1) {
                     return Err(ExcitationError::FrozenOutside { joint: joint.name.clone(), found: place, range });
@@ -87,9 +90,7 @@ impl MotionBasis {
             });
             next += count;
         }
-        if next == 0 {
-            return Err(ExcitationError::TooFew { quantity: "joints that move", found: 0, least: 1 });
-        }
+        at_least_one("joints that move", next)?;
         Ok(Self { family, period_s, shapes, joints })
     }
 
@@ -123,19 +124,6 @@ impl MotionBasis {
         self.joints[index].variables.clone()
     }
 
-    pub(super) fn shapes(&self) -> &[Arc<dyn ShapeFunctions>] {
-        &self.shapes
-    }
-
-    /// Index of the shape of joint `index`.
-    pub(super) fn shape_of(&self, index: usize) -> usize {
-        self.joints[index].shape
-    }
-
-    pub(super) fn scales(&self, index: usize) -> &[f64] {
-        &self.joints[index].scales
-    }
-
     /// The coefficients of joint `index`, from all variables.
     pub(super) fn unscaled(&self, index: usize, x: &[f64]) -> Vec<f64> {
         let joint = &self.joints[index];
@@ -156,9 +144,7 @@ impl MotionBasis {
     /// # Errors
     /// [`ExcitationError`] if its joints, its period or its harmonics are not of this family.
     pub fn coefficients(&self, trajectory: &PeriodicTrajectory) -> Result<Vec<f64>, ExcitationError> {
-        if trajectory.dof() != self.dof() {
-            return Err(ExcitationError::Joints { found: trajectory.dof(), expected: self.dof() });
-        }
+        same_joints(trajectory.dof(), self.dof())?;
         if (trajectory.period_s() - self.period_s).abs() > 1e-12 * self.period_s {
             return Err(ExcitationError::OtherPeriod { found: trajectory.period_s(), expected: self.period_s });
         }

@@ -22,7 +22,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::criterion::CriterionKind;
 use super::effort::{Channel, EffortModel, InsideShare};
-use super::error::ExcitationError;
+use super::error::{ExcitationError, same_joints};
 use super::information::Information;
 use super::limit_survey::{LimitSurvey, WorstCases, WorstLimitUse};
 use super::problem::DesignProblem;
@@ -119,21 +119,22 @@ impl Certificate {
     /// [`ExcitationError::Joints`] if the trajectory is not one of as many joints as the robot has.
     pub fn of(problem: &DesignProblem, trajectory: &PeriodicTrajectory) -> Result<Self, ExcitationError> {
         let n = problem.robot().dof();
-        if trajectory.dof() != n {
-            return Err(ExcitationError::Joints { found: trajectory.dof(), expected: n });
-        }
-        let samples = problem.budget().certificate_samples();
+        same_joints(trajectory.dof(), n)?;
+        let samples = problem.budget().certificate_samples;
         let regressor = problem.regressor(problem.robot())?;
         let kept = &problem.base().kept;
         let m = Information::new(regressor, kept, samples, &vec![1.0; n], None).gather(&trajectory.sample(samples));
         let rigid = problem.objective().rigid_positions();
         let m_rigid = m.select_rows(&rigid).select_columns(&rigid);
-        let report = |kind: CriterionKind, m: &DMatrix<f64>| kind.report(kind.criterion().evaluate(m, None).exact);
+        let report = |kind: CriterionKind, m: &DMatrix<f64>| {
+            let criterion = kind.criterion();
+            criterion.report(criterion.evaluate(m, None).exact)
+        };
         let timeline = problem.timeline(trajectory.period_s());
         let mut model = problem.efforts();
         let LimitSurvey { used, worst } =
             LimitSurvey::of(problem.robot(), trajectory, timeline, samples, model.as_mut());
-        let efforts_inside = match (&mut model, problem.limits().spread()) {
+        let efforts_inside = match (&mut model, &problem.limits().spread) {
             (Some(model), Some(_)) => {
                 let channels = Channel::all(problem.robot());
                 Some(model.inside(trajectory, timeline, &Channel::binding(&channels)))
@@ -153,11 +154,11 @@ impl Certificate {
             robot_sha256: problem.robot().source_sha256().to_owned(),
             trajectory_sha256: sha256(&trajectory.to_toml()),
             nominal_sha256: model.as_ref().map(EffortModel::parameters_sha256),
-            ramp_s: problem.limits().ramp_s(),
+            ramp_s: problem.limits().ramp_s,
             weakest,
-            uncertainty_multiple: problem.limits().spread().map_or(0.0, |spread| spread.multiple),
+            uncertainty_multiple: problem.limits().spread.as_ref().map_or(0.0, |spread| spread.multiple),
             efforts_inside,
-            bias_susceptibility: Some(bias_susceptibility(&m, &reference_units(problem))),
+            bias_susceptibility: Some(bias_susceptibility(&m, &problem.objective().units())),
             samples,
             condition: report(CriterionKind::Condition, &m_rigid),
             condition_scaled: report(CriterionKind::ConditionScaled, &m_rigid),
@@ -191,12 +192,6 @@ impl Certificate {
     }
 }
 
-/// The reference unit of each chosen base parameter.
-fn reference_units(problem: &DesignProblem) -> Vec<f64> {
-    let (base, units) = (problem.base(), problem.objective().reference_units());
-    base.kept.iter().map(|&column| units.of(base.parameters[column].kind)).collect()
-}
-
 /// `1/√λ_min(D M D)` of the information of one torque row; infinite of a singular matrix.
 fn bias_susceptibility(m: &DMatrix<f64>, units: &[f64]) -> f64 {
     let scaled = DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| units[i] * m[(i, j)] * units[j]);
@@ -213,8 +208,9 @@ fn weakest(
     let direction = eigen.eigenvectors.column(eigen.eigenvalues.imin());
     let nominal = problem
         .limits()
-        .nominal()
-        .map(|set| problem.base().beta(&set.vector(problem.robot(), problem.objective().columns())));
+        .nominal
+        .as_ref()
+        .map(|set| problem.base().beta(&set.vector(problem.robot(), problem.objective().columns)));
     let mut order: Vec<usize> = (0..direction.len()).collect();
     order.sort_by(|&x, &y| direction[y].abs().total_cmp(&direction[x].abs()).then(x.cmp(&y)));
     let names = problem.base().names();
@@ -244,7 +240,9 @@ mod tests {
         let mut problem =
             DesignProblem::new(chains::crs_a460(), columns, CriterionKind::Condition, DesignLimits::of_motion())
                 .unwrap();
-        problem.set_limits(DesignLimits::of_motion().with_efforts(chains::crs_a460_nominal())).unwrap();
+        problem
+            .set_limits(DesignLimits { nominal: Some(chains::crs_a460_nominal()), ..DesignLimits::of_motion() })
+            .unwrap();
         problem
     }
 
@@ -253,7 +251,7 @@ mod tests {
         // An independent computation (another rigid-body library, SciPy) found 210, 55 and 15.8 for the corrected
         // table on the 36 base columns, and at most 90 % of any limit (90.5 here).
         let mut problem = problem(Columns::RIGID);
-        problem.set_budget(DesignBudget::default().with_certificate_samples(1000).unwrap());
+        problem.set_budget(DesignBudget { certificate_samples: 1000, ..DesignBudget::default() }).unwrap();
         let certificate = Certificate::of(&problem, &table_one::corrected().into()).unwrap();
         assert!((certificate.condition - 210.5).abs() < 0.6, "{}", certificate.condition);
         assert!((certificate.condition_scaled - 55.4).abs() < 0.6, "{}", certificate.condition_scaled);
@@ -267,10 +265,10 @@ mod tests {
     #[test]
     fn identity_information_figures_equal_those_of_the_stacked_regressor() {
         let mut problem = problem(Columns::RIGID_ROTOR_FRICTION);
-        problem.set_budget(DesignBudget::default().with_certificate_samples(400).unwrap());
+        problem.set_budget(DesignBudget { certificate_samples: 400, ..DesignBudget::default() }).unwrap();
         let trajectory = table_one::corrected().into();
         let certificate = Certificate::of(&problem, &trajectory).unwrap();
-        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns()).unwrap();
+        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns).unwrap();
         let w = problem.base().select_columns(&regressor.stack(&trajectory.sample(400)));
         assert_eq!(w.ncols(), 58);
         assert!((certificate.condition_all / crate::linalg::condition(&w) - 1.0).abs() < 1e-9);
@@ -293,7 +291,7 @@ mod tests {
         let refused = Certificate::of(&alone, &trajectory).unwrap_err();
         assert!(matches!(refused, ExcitationError::Columns(ColumnsError::Load { .. })), "{refused}");
         let mut problem = problem(columns);
-        problem.set_budget(DesignBudget::default().with_certificate_samples(400).unwrap());
+        problem.set_budget(DesignBudget { certificate_samples: 400, ..DesignBudget::default() }).unwrap();
         let certificate = Certificate::of(&problem, &trajectory).unwrap();
         let nominal = chains::crs_a460_nominal();
         let regressor = JointTorqueRegressor::with_load(problem.robot(), columns, &nominal);
@@ -324,12 +322,12 @@ mod tests {
     #[test]
     fn identity_the_bias_susceptibility_is_reached_by_one_unmodelled_torque_and_passed_by_none() {
         let mut problem = problem(Columns::RIGID_ROTOR_FRICTION);
-        problem.set_budget(DesignBudget::default().with_certificate_samples(200).unwrap());
+        problem.set_budget(DesignBudget { certificate_samples: 200, ..DesignBudget::default() }).unwrap();
         let trajectory = table_one::corrected().into();
         let found = Certificate::of(&problem, &trajectory).unwrap().bias_susceptibility.unwrap();
-        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns()).unwrap();
+        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns).unwrap();
         let w = problem.base().select_columns(&regressor.stack(&trajectory.sample(200)));
-        let units = reference_units(&problem);
+        let units = problem.objective().units();
         let scaled = DMatrix::from_fn(w.nrows(), w.ncols(), |i, j| w[(i, j)] * units[j]);
         let svd = scaled.clone().svd(true, true);
         let rows = (w.nrows() as f64).sqrt();
@@ -351,7 +349,7 @@ mod tests {
         let trajectory = table_one::corrected().into();
         let used = Certificate::of(&problem, &trajectory).unwrap().worst_limit_use;
         let states = trajectory.sample(7919);
-        let nominal = problem.limits().nominal().unwrap();
+        let nominal = problem.limits().nominal.as_ref().unwrap();
         let mut dynamics = crate::dynamics::Dynamics::new(problem.robot(), nominal);
         let mut tau = vec![0.0; 6];
         let mut worst = [0.0_f64; 4];

@@ -34,13 +34,10 @@ impl Certificate {
     /// # Errors
     /// [`ExcitationError::Certificate`] if the table is there and is not a certificate.
     pub fn in_toml(text: &str) -> Result<Option<Self>, ExcitationError> {
-        let fault = |message: String| ExcitationError::Certificate { message };
-        let file: In = toml::from_str(text).map_err(|error| fault(error.message().trim_end().to_owned()))?;
-        file.certificate
-            .map(|table| {
-                table.try_into().map_err(|error: toml::de::Error| fault(error.message().trim_end().to_owned()))
-            })
-            .transpose()
+        let fault =
+            |error: toml::de::Error| ExcitationError::Certificate { message: error.message().trim_end().to_owned() };
+        let file: In = toml::from_str(text).map_err(fault)?;
+        file.certificate.map(|table| table.try_into().map_err(fault)).transpose()
     }
 }
 
@@ -60,9 +57,9 @@ mod tests {
         let mut problem =
             DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::Condition, DesignLimits::of_motion())
                 .unwrap();
-        let limits = DesignLimits::of_motion().with_efforts(chains::crs_a460_nominal());
-        problem.set_limits(limits.with_ramps(2.0).unwrap()).unwrap();
-        problem.set_budget(DesignBudget::default().with_certificate_samples(500).unwrap());
+        let nominal = Some(chains::crs_a460_nominal());
+        problem.set_limits(DesignLimits { nominal, ramp_s: Some(2.0), ..DesignLimits::of_motion() }).unwrap();
+        problem.set_budget(DesignBudget { certificate_samples: 500, ..DesignBudget::default() }).unwrap();
         let mut series = table_one::corrected();
         for (moved, joint) in series.joints.iter_mut().zip(problem.robot().joints()) {
             moved.name.clone_from(&joint.name);
@@ -133,7 +130,7 @@ mod tests {
         assert!(matches!(fault, VerificationError::Stale { limit: LimitKind::Torque, .. }), "{fault}");
         // So is one that was made for lighter links.
         let heavier = |factor: f64| {
-            let mut nominal = problem.limits().nominal().unwrap().clone();
+            let mut nominal = problem.limits().nominal.as_ref().unwrap().clone();
             for link in &mut nominal.links {
                 *link = Inertia::from_array(&link.to_array().map(|x| factor * x));
             }

@@ -68,19 +68,19 @@ pub(crate) fn optimise(
     // The search ends as its last descent does: where that was cut off, more evaluations might have found more.
     let mut last = search.descend();
     let mut hop = 0;
-    while last.is_converged() && search.state.evaluations + HOP_EVALUATIONS <= problem.budget().evaluations() {
+    while last.is_converged() && search.state.evaluations + HOP_EVALUATIONS <= problem.budget().evaluations {
         search.hop(seed, hop)?;
         hop += 1;
         last = search.descend();
     }
-    if search.is_worth_restoring() && search.state.evaluations < problem.budget().evaluations() {
+    if search.is_worth_restoring() && search.state.evaluations < problem.budget().evaluations {
         search.restore_nearly_inside();
     }
     Ok(search.found(last))
 }
 
 fn settings(problem: &DesignProblem) -> SequentialSettings {
-    SequentialSettings { max_evaluations: problem.budget().evaluations(), ..SequentialSettings::default() }
+    SequentialSettings { max_evaluations: problem.budget().evaluations, ..SequentialSettings::default() }
 }
 
 struct Search<'a> {
@@ -109,7 +109,7 @@ impl<'a> Search<'a> {
         start: Vec<f64>,
     ) -> Self {
         let problem = watched.problem;
-        let state = Sequential::new(start, objective, feasibility.smooth(), settings(problem));
+        let state = Sequential::new(start, objective, &mut feasibility.smooth, settings(problem));
         let last = (state.x.clone(), f64::NAN);
         let (best, least, nearly, history) = (None, f64::INFINITY, None, Vec::new());
         let mut search = Self { problem, watched, feasibility, objective, state, best, last, least, nearly, history };
@@ -119,8 +119,8 @@ impl<'a> Search<'a> {
 
     /// Judges the current iterate by the criterion itself.
     fn record(&mut self) {
-        let (exact, excess) = (self.objective.exact(), self.state.excess);
-        let current = self.problem.objective().criterion().report(exact);
+        let (exact, excess) = (self.objective.exact, self.state.excess);
+        let current = self.problem.objective().criterion.report(exact);
         self.last = (self.state.x.clone(), current);
         if excess <= EXCESS_TOLERANCE && exact < self.least {
             self.least = exact;
@@ -146,7 +146,7 @@ impl<'a> Search<'a> {
     fn restore_nearly_inside(&mut self) {
         let Some((x, _)) = self.nearly.take() else { return };
         self.state.x = x;
-        let (linear, smooth) = self.feasibility.limits();
+        let Feasibility { linear, smooth, .. } = &mut *self.feasibility;
         if self.state.restore(linear, smooth, EXCESS_TOLERANCE) {
             self.objective.exact_at(&self.state.x);
             self.state.evaluations += 1;
@@ -158,12 +158,12 @@ impl<'a> Search<'a> {
     fn hop(&mut self, seed: Seed, index: u64) -> Result<(), ExcitationError> {
         let problem = self.problem;
         let fresh = self.feasibility.bring_inside(problem.start(seed, index)?);
-        let fresh = self.feasibility.basis().coefficients(&fresh)?;
+        let fresh = self.feasibility.basis.coefficients(&fresh)?;
         let (best, _) = self.best.as_ref().unwrap_or(&self.last);
         let x = best.iter().zip(&fresh).map(|(best, fresh)| best + HOP_SHARE * (fresh - best)).collect();
-        self.objective.change(problem.objective().smoothed(SHARPNESS[0]));
+        self.objective.criterion = problem.objective().smoothed(SHARPNESS[0]);
         let (evaluations, iterations) = (self.state.evaluations, self.state.iterations);
-        self.state = Sequential::new(x, self.objective, self.feasibility.smooth(), settings(problem));
+        self.state = Sequential::new(x, self.objective, &mut self.feasibility.smooth, settings(problem));
         // The limit is on all descents together.
         self.state.evaluations += evaluations;
         self.state.iterations += iterations;
@@ -174,9 +174,9 @@ impl<'a> Search<'a> {
     /// One descent, sharper and sharper.
     fn descend(&mut self) -> Termination {
         let wanted = self.problem.objective();
-        let has_kinks = wanted.criterion().smoothed(SHARPNESS[0]).is_some();
+        let has_kinks = wanted.criterion.smoothed(SHARPNESS[0]).is_some();
         let stages: &[f64] = if has_kinks { &SHARPNESS } else { &SHARPNESS[..1] };
-        let budget = self.problem.budget().evaluations();
+        let budget = self.problem.budget().evaluations;
         let first = self.state.evaluations;
         let mut ending = Termination::Converged;
         for (stage, &sharpness) in stages.iter().enumerate() {
@@ -184,21 +184,21 @@ impl<'a> Search<'a> {
                 if self.state.evaluations + 2 > budget {
                     return Termination::EvaluationBudget;
                 }
-                self.objective.change(wanted.smoothed(sharpness));
-                self.state.restart(self.objective, self.feasibility.smooth());
+                self.objective.criterion = wanted.smoothed(sharpness);
+                self.state.restart(self.objective, &mut self.feasibility.smooth);
             }
-            self.state.tolerate(if stage + 1 < stages.len() { STAGE_TOLERANCE } else { TOLERANCE });
+            self.state.settings.tolerance = if stage + 1 < stages.len() { STAGE_TOLERANCE } else { TOLERANCE };
             // Equal shares of what was left, so that the sharpest gets its turn even if none converges.
             let share = first + budget.saturating_sub(first) * (stage + 1) / stages.len();
             loop {
                 if !self.watched.goes_on(self.state.evaluations) {
                     return Termination::Interrupted;
                 }
-                if self.state.iterations >= self.problem.budget().iterations() {
+                if self.state.iterations >= self.problem.budget().iterations {
                     return Termination::IterationBudget;
                 }
-                self.state.allow(budget - usize::from(self.is_worth_restoring()));
-                let (linear, smooth) = self.feasibility.limits();
+                self.state.settings.max_evaluations = budget - usize::from(self.is_worth_restoring());
+                let Feasibility { linear, smooth, .. } = &mut *self.feasibility;
                 ending = match self.state.step(self.objective, linear, smooth) {
                     Progress::Moved => {
                         self.record();
@@ -244,7 +244,7 @@ mod tests {
         let problem = DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, limits).unwrap();
         let mut feasibility = Feasibility::new(&problem).unwrap();
         let start = feasibility.first_guess(&problem, Seed::new(7), 0).unwrap();
-        let start = feasibility.basis().coefficients(&start).unwrap();
+        let start = feasibility.basis.coefficients(&start).unwrap();
         let mut objective = InformationObjective::of(&problem, SHARPNESS[0]).unwrap();
         let mut search = Search::begin((&problem).into(), &mut feasibility, &mut objective, start);
         let inside = search.least;

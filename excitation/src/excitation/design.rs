@@ -1,7 +1,6 @@
 //! A designed trajectory, and the best of several.
 
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::certificate::Certificate;
 use super::termination::{HistoryPoint, Termination};
@@ -35,20 +34,11 @@ pub struct Design {
     pub start: PeriodicTrajectory,
 }
 
-impl Serialize for Design {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses a certificate that is not of its trajectory, or was changed.
-impl<'de> Deserialize<'de> for Design {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let mut value = Self::deserialize(deserializer)?;
-        value.put_infinities();
-        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
-    }
-}
+// Refuses a certificate that is not of its trajectory, or was changed.
+crate::plain::checked_when_read!(Design, |mut value| {
+    value.put_infinities();
+    value.check().map(|()| value)
+});
 
 impl Design {
     /// Where JSON has no number, the value was the worst: the criterion says whether that is +∞ or −∞.

@@ -13,8 +13,10 @@ use super::design::Design;
 use super::error::ExcitationError;
 use super::feasibility::{EXCESS_TOLERANCE, Feasibility};
 use super::objective::InformationObjective;
+use super::problem::DesignProblem;
 use super::termination::{HistoryPoint, Termination};
 use super::watched::WatchedProblem;
+use crate::optimiser::SmoothLimits;
 use crate::seed::Seed;
 use crate::trajectory::PeriodicTrajectory;
 
@@ -54,33 +56,45 @@ fn continue_from(
     let problem = watched.problem;
     let mut feasibility = Feasibility::new(problem)?;
     // Through the variables, so that frozen joints stand still.
-    let start = feasibility.basis().trajectory(&feasibility.basis().coefficients(start)?);
+    let start = feasibility.basis.trajectory(&feasibility.basis.coefficients(start)?);
     let start = feasibility.bring_inside(start);
-    let x = feasibility.basis().coefficients(&start)?;
-    let Found { x, value, ending, iterations, evaluations, history } = optimise(watched, &mut feasibility, x, hops)?;
-    let trajectory = feasibility.basis().trajectory(&x);
+    let x = feasibility.basis.coefficients(&start)?;
+    let mut found = optimise(watched, &mut feasibility, x, hops)?;
+    let trajectory = feasibility.basis.trajectory(&found.x);
     let trajectory = feasibility.finish(trajectory);
+    let finished = feasibility.basis.coefficients(&trajectory)?;
+    let (size, moved) = found
+        .x
+        .iter()
+        .zip(&finished)
+        .fold((0.0, 0.0), |(size, moved), (x, y)| (size + x * x, moved + (x - y) * (x - y)));
+    if moved > SHRUNK * SHRUNK * size {
+        let exact = InformationObjective::of(problem, SHARPNESS[0])?.exact_at(&finished);
+        found.value = problem.objective().criterion.report(exact);
+    }
+    judged(problem, &feasibility, start, trajectory, found)
+}
+
+/// The design of a search from `start` that ended at `trajectory`, with its certificate and what it still exceeds.
+fn judged(
+    problem: &DesignProblem,
+    feasibility: &Feasibility,
+    start: PeriodicTrajectory,
+    trajectory: PeriodicTrajectory,
+    found: Found,
+) -> Result<Design, ExcitationError> {
     let certificate = Certificate::of(problem, &trajectory)?;
-    let termination = feasibility.verdict(problem, &trajectory, &certificate).unwrap_or(ending);
-    let criterion = problem.objective().criterion();
-    let finished = feasibility.basis().coefficients(&trajectory)?;
-    let (size, moved) =
-        x.iter().zip(&finished).fold((0.0, 0.0), |(size, moved), (x, y)| (size + x * x, moved + (x - y) * (x - y)));
-    let value = if moved <= SHRUNK * SHRUNK * size {
-        value
-    } else {
-        criterion.report(InformationObjective::of(problem, SHARPNESS[0])?.exact_at(&finished))
-    };
+    let criterion = &problem.objective().criterion;
     Ok(Design {
+        termination: feasibility.verdict(problem, &trajectory, &certificate).unwrap_or(found.ending),
         trajectory,
         criterion: criterion.name().to_owned(),
-        value,
+        value: found.value,
         larger_is_better: criterion.is_larger_better(),
         certificate,
-        termination,
-        iterations,
-        evaluations,
-        history,
+        iterations: found.iterations,
+        evaluations: found.evaluations,
+        history: found.history,
         start,
     })
 }
@@ -96,29 +110,29 @@ pub fn random_design<'a>(
     index: u64,
 ) -> Result<Design, ExcitationError> {
     let watched = problem.into();
-    let (problem, mut draw_count, mut end) = (watched.problem, 0, Termination::Drawn);
+    let (problem, mut draw_count, mut ending) = (watched.problem, 0, Termination::Drawn);
     let mut feasibility = Feasibility::new(problem)?;
     let mut objective = InformationObjective::of(problem, SHARPNESS[0])?;
     let draws = seed.child("random design", index);
-    let criterion = problem.objective().criterion();
+    let criterion = &problem.objective().criterion;
     let mut best: Option<(PeriodicTrajectory, f64)> = None;
     let mut best_is_inside = false;
     let mut history = Vec::new();
-    for draw in 0..problem.budget().evaluations() {
+    for draw in 0..problem.budget().evaluations {
         if draw > 0 && !watched.goes_on(draw) {
-            end = Termination::Interrupted;
+            ending = Termination::Interrupted;
             break;
         }
         draw_count = draw + 1;
         let trajectory = feasibility.bring_inside(problem.start(draws, draw as u64)?);
-        let x = feasibility.basis().coefficients(&trajectory)?;
+        let x = feasibility.basis.coefficients(&trajectory)?;
         let value = objective.exact_at(&x);
         // Any draw inside the limits beats any outside; the record of the latter is dropped.
         let improves = best.as_ref().is_none_or(|(_, least)| value < *least);
         if best_is_inside && !improves {
             continue;
         }
-        let excess = feasibility.smooth().excess(&x);
+        let excess = feasibility.smooth.excess(&x);
         let is_inside = excess <= EXCESS_TOLERANCE;
         let better = improves && is_inside == best_is_inside || is_inside && !best_is_inside || best.is_none();
         if better {
@@ -134,20 +148,14 @@ pub fn random_design<'a>(
     }
     let (start, value) = best.expect("the budget is at least one evaluation");
     let trajectory = feasibility.finish(start.clone());
-    let certificate = Certificate::of(problem, &trajectory)?;
-    let termination = feasibility.verdict(problem, &trajectory, &certificate).unwrap_or(end);
-    Ok(Design {
-        trajectory,
-        criterion: criterion.name().to_owned(),
-        value: criterion.report(value),
-        larger_is_better: criterion.is_larger_better(),
-        certificate,
-        termination,
-        iterations: draw_count,
-        evaluations: draw_count,
-        history,
+    let (value, iterations, evaluations) = (criterion.report(value), draw_count, draw_count);
+    judged(
+        problem,
+        &feasibility,
         start,
-    })
+        trajectory,
+        Found { x: Vec::new(), value, ending, iterations, evaluations, history },
+    )
 }
 
 #[cfg(test)]
@@ -167,7 +175,7 @@ mod tests {
     fn problem(columns: Columns, criterion: CriterionKind, evaluations: usize) -> DesignProblem {
         let mut problem =
             DesignProblem::new(chains::crs_a460(), columns, criterion, DesignLimits::of_motion()).unwrap();
-        problem.set_budget(DesignBudget::new(evaluations).unwrap());
+        problem.set_budget(DesignBudget { evaluations, ..DesignBudget::default() }).unwrap();
         problem
     }
 
@@ -249,14 +257,16 @@ mod tests {
     fn identity_torque_stays_under_the_ratings() {
         let mut problem = problem(Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal, 120);
         let free = design(&problem, Seed::new(7), 0).unwrap();
-        problem.set_limits(DesignLimits::of_motion().with_efforts(chains::crs_a460_nominal())).unwrap();
+        problem
+            .set_limits(DesignLimits { nominal: Some(chains::crs_a460_nominal()), ..DesignLimits::of_motion() })
+            .unwrap();
         let held = design(&problem, Seed::new(7), 0).unwrap();
         assert_inside(&held, &problem);
         // The limit matters: without it the same problem asks for more than the ratings.
         let asked = Certificate::of(&problem, &free.trajectory).unwrap().worst_limit_use.torque.unwrap();
         assert!(asked > 1.0, "{asked}");
         let used = held.certificate.worst_limit_use.torque.unwrap();
-        let most = problem.limits().margins().torque;
+        let most = problem.limits().margins.torque;
         assert!(used <= most && used > 0.95 * most, "{used}");
     }
 
@@ -267,9 +277,14 @@ mod tests {
         let nominal = parse_nominal(bundled()[0].nominal, problem.robot()).unwrap();
         let shares = &nominal.relative_uncertainty;
         let spread = ParameterSpread::of(problem.robot(), &nominal.parameters, shares, CONFIDENCE_95);
-        let limits = DesignLimits::of_motion().with_uncertain_efforts(nominal.parameters, spread).unwrap();
-        let limits = limits.with_margins(Margins { torque: 1.0, ..Margins::default() }).unwrap();
-        problem.set_limits(limits.with_ramps(2.0).unwrap()).unwrap();
+        let limits = DesignLimits {
+            nominal: Some(nominal.parameters),
+            spread: Some(spread),
+            margins: Margins { torque: 1.0, ..Margins::default() },
+            ramp_s: Some(2.0),
+            ..DesignLimits::of_motion()
+        };
+        problem.set_limits(limits).unwrap();
         for start in 0..3 {
             let design = design(&problem, Seed::new(1), start).unwrap();
             assert_inside(&design, &problem);
@@ -295,7 +310,9 @@ mod tests {
     #[test]
     fn identity_random_baseline_keeps_the_budget_and_the_limits() {
         let mut problem = problem(Columns::RIGID, CriterionKind::Condition, 40);
-        problem.set_limits(DesignLimits::of_motion().with_efforts(chains::crs_a460_nominal())).unwrap();
+        problem
+            .set_limits(DesignLimits { nominal: Some(chains::crs_a460_nominal()), ..DesignLimits::of_motion() })
+            .unwrap();
         let drawn = random_design(&problem, Seed::new(3), 0).unwrap();
         assert_inside(&drawn, &problem);
         assert_eq!(drawn.evaluations, 40);
@@ -319,8 +336,10 @@ mod tests {
             .unwrap();
         let mut problem =
             DesignProblem::new(robot, Columns::RIGID, CriterionKind::Condition, DesignLimits::of_motion()).unwrap();
-        problem.set_budget(DesignBudget::new(20).unwrap());
-        problem.set_limits(DesignLimits::of_motion().with_efforts(chains::crs_a460_nominal())).unwrap();
+        problem.set_budget(DesignBudget { evaluations: 20, ..DesignBudget::default() }).unwrap();
+        problem
+            .set_limits(DesignLimits { nominal: Some(chains::crs_a460_nominal()), ..DesignLimits::of_motion() })
+            .unwrap();
         let design = design(&problem, Seed::new(3), 0).unwrap();
         let Termination::Infeasible { limit, joint, worst } = &design.termination else {
             panic!("{:?}", design.termination)

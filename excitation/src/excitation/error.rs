@@ -34,9 +34,6 @@ pub enum ExcitationError {
         "design: probability of keeping the limits of torque and current is {found}, expected 0.5 or more and less than 1"
     )]
     Confidence { found: f64 },
-    /// A joint's number is beyond the last one.
-    #[error("design: number of a joint is {found}, expected less than {joints}")]
-    NoSuchJoint { found: usize, joints: usize },
     /// A margin to the position limits leaves a joint nothing.
     #[error("design: the margin to the position limits gives {0}, expected one that leaves every joint a range")]
     PositionMargin(RobotError),
@@ -74,7 +71,28 @@ pub(super) fn above_zero(quantity: &'static str, found: f64, unit: &'static str)
     if holds { Ok(()) } else { Err(ExcitationError::NotPositive { quantity, found, unit }) }
 }
 
+/// A setting must be a finite number, zero or above.
+pub(super) fn not_below_zero(quantity: &'static str, found: f64, unit: &'static str) -> Result<(), ExcitationError> {
+    let holds = found.is_finite() && found >= 0.0;
+    if holds { Ok(()) } else { Err(ExcitationError::Negative { quantity, found, unit }) }
+}
+
+/// Something must be there.
+pub(super) const fn at_least_one(quantity: &'static str, found: usize) -> Result<(), ExcitationError> {
+    if found > 0 { Ok(()) } else { Err(ExcitationError::TooFew { quantity, found, least: 1 }) }
+}
+
+/// A setting must be a finite number.
+pub(super) const fn finite(quantity: &'static str, found: f64, unit: &'static str) -> Result<(), ExcitationError> {
+    if found.is_finite() { Ok(()) } else { Err(ExcitationError::NotFinite { quantity, found, unit }) }
+}
+
 /// A list must have as many entries as the robot asks for.
 pub(super) const fn same_length(quantity: &'static str, found: usize, expected: usize) -> Result<(), ExcitationError> {
     if found == expected { Ok(()) } else { Err(ExcitationError::Length { quantity, found, expected }) }
+}
+
+/// A motion must move as many joints as the robot has.
+pub(super) const fn same_joints(found: usize, expected: usize) -> Result<(), ExcitationError> {
+    if found == expected { Ok(()) } else { Err(ExcitationError::Joints { found, expected }) }
 }

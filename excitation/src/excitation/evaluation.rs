@@ -10,7 +10,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::criterion::{Carried, Prediction};
-use super::error::{ExcitationError, above_zero, same_length};
+use super::error::{ExcitationError, above_zero, at_least_one, same_joints, same_length};
 use super::expected::{EffectTorques, ExpectedEffects};
 use super::start::series_start;
 use crate::base::BaseReduction;
@@ -55,12 +55,8 @@ impl EvaluationMotions {
     /// # Errors
     /// [`ExcitationError::TooFew`] of none, [`ExcitationError::Joints`] if one is of another number of joints.
     pub fn new(motions: Vec<PeriodicTrajectory>, joints: usize) -> Result<Self, ExcitationError> {
-        if motions.is_empty() {
-            return Err(ExcitationError::TooFew { quantity: "evaluation motions", found: 0, least: 1 });
-        }
-        if let Some(other) = motions.iter().find(|motion| motion.dof() != joints) {
-            return Err(ExcitationError::Joints { found: other.dof(), expected: joints });
-        }
+        at_least_one("evaluation motions", motions.len())?;
+        motions.iter().try_for_each(|motion| same_joints(motion.dof(), joints))?;
         Ok(Self { motions, weights: vec![1.0; joints], samples: SAMPLES })
     }
 
@@ -131,7 +127,7 @@ impl EvaluationMotions {
             let Some(expected) = expected else { continue };
             let mut torques = EffectTorques::new(robot, expected, self.samples, motion.period_s());
             effects = torques.effects();
-            if expected.are_carried() {
+            if expected.are_carried {
                 let d = weighted(torques.evaluate(&states));
                 let squares = DVector::from_fn(d.ncols(), |e, _| d.column(e).norm_squared());
                 let moments = w.tr_mul(&d);

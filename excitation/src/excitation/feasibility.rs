@@ -46,7 +46,7 @@ const START_ATTEMPTS: u64 = 16;
 const RAMP_SAMPLES: usize = 500;
 
 /// All linear limits.
-struct AllRows {
+pub(crate) struct AllRows {
     period: LimitRows,
     paths: PathRows,
 }
@@ -68,11 +68,11 @@ impl LinearLimits for AllRows {
 /// The limits of a design problem.
 pub(crate) struct Feasibility {
     robot: Robot,
-    basis: MotionBasis,
+    pub(crate) basis: MotionBasis,
     margins: Margins,
-    linear: AllRows,
+    pub(crate) linear: AllRows,
     timeline: Timeline,
-    smooth: CombinedLimits,
+    pub(crate) smooth: CombinedLimits,
     /// Without a payload, and with it where there is one.
     efforts: Vec<EffortLimits>,
     samples: usize,
@@ -82,8 +82,8 @@ pub(crate) struct Feasibility {
 impl Feasibility {
     pub(crate) fn new(problem: &DesignProblem) -> Result<Self, ExcitationError> {
         let basis = problem.basis().clone();
-        let robot = problem.inner_robot().clone();
-        let allowed = problem.limits().margins();
+        let robot = problem.inner_robot.clone();
+        let allowed = &problem.limits().margins;
         let part = 1.0 - INSIDE;
         let margins = Margins {
             position: part * allowed.position,
@@ -102,13 +102,13 @@ impl Feasibility {
         for effort in &efforts {
             smooth.limits.push(Box::new(effort.clone()));
         }
-        if let Some(clearance) = problem.limits().clearance_m() {
+        if let Some(clearance) = problem.limits().clearance_m {
             let scene = Scene::new(&robot);
             if !scene.pairs().is_empty() {
                 smooth.limits.push(Box::new(ClearanceLimits::new(scene, &basis, samples, clearance)));
             }
         }
-        let rms_speed = problem.limits().rms_speed();
+        let rms_speed = problem.limits().rms_speed;
         if let Some(most) = rms_speed {
             smooth.limits.push(Box::new(RmsSpeed::new(&robot, &basis, samples, (1.0 - 2.0 * EXCESS_TOLERANCE) * most)));
         }
@@ -120,18 +120,6 @@ impl Feasibility {
         Ok(Self { robot, basis, margins, timeline, linear, smooth, efforts, samples, rms_speed })
     }
 
-    pub(crate) fn basis(&self) -> &MotionBasis {
-        &self.basis
-    }
-
-    pub(crate) fn smooth(&mut self) -> &mut dyn SmoothLimits {
-        &mut self.smooth
-    }
-
-    pub(crate) fn limits(&mut self) -> (&mut dyn LinearLimits, &mut dyn SmoothLimits) {
-        (&mut self.linear, &mut self.smooth)
-    }
-
     /// The first guess number `index`, inside the limits. Where clearances are asked for and it does not keep them, a few
     /// others are drawn in its place: the first that does, or the one that lacks least.
     pub(crate) fn first_guess(
@@ -141,7 +129,7 @@ impl Feasibility {
         index: u64,
     ) -> Result<PeriodicTrajectory, ExcitationError> {
         let mut best = self.bring_inside(problem.start(seed, index)?);
-        let attempts = if problem.limits().clearance_m().is_some() { START_ATTEMPTS } else { 0 };
+        let attempts = if problem.limits().clearance_m.is_some() { START_ATTEMPTS } else { 0 };
         let mut least = self.smooth.excess(&self.basis.coefficients(&best)?);
         for attempt in 0..attempts {
             if least <= EXCESS_TOLERANCE {
@@ -234,13 +222,6 @@ impl Feasibility {
         certificate: &Certificate,
     ) -> Option<Termination> {
         let worst = &certificate.worst;
-        let margins = problem.limits().margins();
-        let efforts_and_motion = LimitKind::ALL.into_iter().filter_map(|limit| {
-            let part = limit.permitted(margins);
-            let worst = worst.of(limit).filter(|worst| worst.ratio > part)?;
-            let joint = self.robot.joints()[worst.joint].name.clone();
-            Some((worst.ratio / part, Termination::Infeasible { limit, joint, worst }))
-        });
         let loaded = problem.payload_use(trajectory).unwrap_or_default();
         let with_payload = [
             (LimitKind::Torque, loaded.torque.map(|used| used.peak)),
@@ -248,13 +229,14 @@ impl Feasibility {
             (LimitKind::Current, loaded.current.map(|used| used.peak)),
             (LimitKind::CurrentRms, loaded.current.map(|used| used.mean_square)),
         ];
-        let with_payload = with_payload.into_iter().filter_map(|(limit, worst)| {
-            let part = limit.permitted(margins);
+        let certified = LimitKind::ALL.map(|limit| (limit, worst.of(limit)));
+        let limits = certified.into_iter().chain(with_payload).filter_map(|(limit, worst)| {
+            let part = limit.permitted(&problem.limits().margins);
             let worst = worst.filter(|worst| worst.ratio > part)?;
             let joint = self.robot.joints()[worst.joint].name.clone();
             Some((worst.ratio / part, Termination::Infeasible { limit, joint, worst }))
         });
-        let clearance = worst.clearance.as_ref().zip(problem.limits().clearance_m()).and_then(|(nearest, required)| {
+        let clearance = worst.clearance.as_ref().zip(problem.limits().clearance_m).and_then(|(nearest, required)| {
             let short = required - nearest.distance_m;
             let worst = WorstUse {
                 ratio: 1.0 + short,
@@ -268,7 +250,7 @@ impl Feasibility {
                 .then_some((1.0 + short, Termination::Infeasible { limit: LimitKind::Clearance, joint, worst }))
         });
         // What the problem lacks most: a design that cannot hold one limit often lets others slip a little as well.
-        let exceeded = efforts_and_motion.chain(with_payload).chain(clearance).max_by(|x, y| x.0.total_cmp(&y.0));
+        let exceeded = limits.chain(clearance).max_by(|x, y| x.0.total_cmp(&y.0));
         exceeded.map(|(_, termination)| termination)
     }
 }
@@ -292,13 +274,13 @@ mod tests {
     #[test]
     fn identity_where_no_first_guess_keeps_its_clearance_the_one_that_lacks_least_is_taken() {
         // No motion of this arm keeps its forearm so far from its base.
-        let limits = DesignLimits::of_motion().with_clearance(0.4).unwrap();
+        let limits = DesignLimits { clearance_m: Some(0.4), ..DesignLimits::of_motion() };
         let problem = DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::DOptimal, limits).unwrap();
         let mut feasibility = Feasibility::new(&problem).unwrap();
         let (seed, index) = (Seed::new(7), 0);
         let excess = |feasibility: &mut Feasibility, guess: &PeriodicTrajectory| {
-            let x = feasibility.basis().coefficients(guess).unwrap();
-            feasibility.smooth().excess(&x)
+            let x = feasibility.basis.coefficients(guess).unwrap();
+            feasibility.smooth.excess(&x)
         };
         let starts = (0..START_ATTEMPTS).map(|attempt| problem.start(seed.child("first guess", index), attempt));
         let all: Vec<f64> = std::iter::once(problem.start(seed, index))

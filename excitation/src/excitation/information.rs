@@ -58,11 +58,6 @@ impl Information {
         Self { regressor, kept: kept.to_vec(), joints, samples, prior }
     }
 
-    /// Number of base columns b.
-    pub fn columns(&self) -> usize {
-        self.kept.len()
-    }
-
     /// The information matrix of sampled states, b × b, per torque row.
     ///
     /// # Panics
@@ -90,11 +85,7 @@ impl Information {
                 }
             }
         }
-        for c in 0..b {
-            for r in c + 1..b {
-                m[(c, r)] = m[(r, c)];
-            }
-        }
+        m.fill_upper_triangle_with_lower_triangle();
         m
     }
 
@@ -133,14 +124,9 @@ impl Information {
         u
     }
 
-    /// The gradient with respect to the last states, which must be handed in again, from `S = ∂f/∂M` (b × b,
-    /// symmetric).
-    pub fn pull_back(&self, states: &States, s: &DMatrix<f64>, sensitivity: &mut States) {
-        self.pull_back_with(states, s, None, sensitivity);
-    }
-
-    /// The gradient if f depends on moments too: `(d, S_c)`. What it depends on through d itself is not in it.
-    pub fn pull_back_with(
+    /// The gradient with respect to the last states, which must be handed in again, from `S = ∂f/∂M` (b × b, symmetric), and
+    /// from `(d, S_c)` if f depends on moments too. What it depends on through d itself is not in it.
+    pub fn pull_back(
         &self,
         states: &States,
         s: &DMatrix<f64>,
@@ -221,7 +207,7 @@ mod tests {
 
     fn problem(columns: Columns, kind: CriterionKind) -> DesignProblem {
         let mut problem = DesignProblem::new(chains::crs_a460(), columns, kind, DesignLimits::of_motion()).unwrap();
-        problem.set_samples(40).unwrap();
+        problem.objective.samples = 40;
         problem.set_noise(vec![0.3, 0.5, 0.2, 0.1, 0.1, 0.05]).unwrap();
         problem
     }
@@ -229,9 +215,9 @@ mod tests {
     #[test]
     fn identity_information_equals_the_weighted_stack() {
         let problem = problem(Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal);
-        let sigma = problem.objective().noise().unwrap().to_vec();
+        let sigma = problem.objective().noise.as_ref().unwrap().to_vec();
         let start = radkhah2007_start(problem.robot(), 10.0, 5, Seed::new(1), 3).unwrap();
-        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns()).unwrap();
+        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns).unwrap();
         let mut information = Information::new(regressor.clone(), &problem.base().kept, 40, &sigma, None);
         let m = information.gather(&start.sample(40));
         let mut w = problem.base().select_columns(&regressor.stack(&start.sample(40)));

@@ -36,7 +36,7 @@ impl LimitRows {
     pub fn new(robot: &Robot, basis: &MotionBasis, margins: &Margins, tolerance: f64) -> Self {
         let interval = |joint: &Joint| Quantity::ALL.map(|of| permitted(&joint.limits, of, margins.of(of)));
         let intervals = robot.joints().iter().map(interval).collect();
-        let tables = basis.shapes().iter().map(|shape| ShapeTable::new(&**shape, shape.grid())).collect();
+        let tables = basis.shapes.iter().map(|shape| ShapeTable::new(&**shape, shape.grid())).collect();
         Self { basis: basis.clone(), intervals, tables, center: vec![0.0; basis.variables()], tolerance }
     }
 
@@ -119,7 +119,7 @@ impl RowSource for LimitRows {
             }
             let coefficients = self.basis.unscaled(joint, &moved);
             for quantity in Quantity::ALL {
-                self.tables[self.basis.shape_of(joint)].motion(quantity as usize, &coefficients, &mut values);
+                self.tables[self.basis.joints[joint].shape].motion(quantity as usize, &coefficients, &mut values);
                 closed.clear();
                 closed.extend(values.last());
                 closed.extend_from_slice(&values);

@@ -118,19 +118,12 @@ impl LimitSurvey {
         let [position, velocity, acceleration] = Quantity::ALL.map(|quantity| worst_use(robot, trajectory, quantity));
         let [ramp_acceleration, ramp_jerk] = worst_on_ramps(robot, trajectory, timeline, samples);
         let acceleration = ramp_acceleration.map_or(acceleration, |ramp| acceleration.worst_of(ramp));
-        let jerk = match (worst_jerk(robot, trajectory), ramp_jerk) {
-            (Some(period), Some(ramp)) => Some(period.worst_of(ramp)),
-            (period, ramp) => period.or(ramp),
-        };
+        let jerk = WorstUse::worst_of_both(worst_jerk(robot, trajectory), ramp_jerk);
         let WorstEfforts { torque, current } = efforts.map_or_else(WorstEfforts::default, |model| {
             WorstEfforts::of(model, &Channel::all(robot), trajectory, timeline, samples)
         });
-        let accelerations: Vec<f64> = (0..robot.dof())
-            .map(|j| {
-                let curve = trajectory.curve(j, Quantity::Acceleration);
-                curve.maximum().value.max(-curve.minimum().value)
-            })
-            .collect();
+        let peak = |j: usize| trajectory.curve(j, Quantity::Acceleration).peak();
+        let accelerations: Vec<f64> = (0..robot.dof()).map(peak).collect();
         let clearance = smallest_clearance(&mut Scene::new(robot), trajectory, &accelerations, CLEARANCE_SAMPLES);
         Self {
             used: WorstLimitUse {

@@ -7,7 +7,7 @@
 
 use super::margins::Margins;
 use crate::model::{Limits, Robot};
-use crate::trajectory::{PeriodicTrajectory, Quantity};
+use crate::trajectory::{Curve, Extremum, PeriodicTrajectory, Quantity};
 
 /// The worst use of one kind of limit over all joints and all times.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -31,6 +31,11 @@ impl WorstUse {
 
     pub(crate) fn worst_of(self, other: Self) -> Self {
         if other.ratio > self.ratio { other } else { self }
+    }
+
+    /// The worse of two; `None` where there is neither.
+    pub(crate) fn worst_of_both(one: Option<Self>, other: Option<Self>) -> Option<Self> {
+        one.into_iter().chain(other).reduce(Self::worst_of)
     }
 }
 
@@ -58,32 +63,35 @@ pub(crate) fn ratio_in((low, high): (f64, f64), value: f64) -> (f64, f64) {
 
 /// The worst use of one kind of limit, at the true extrema.
 pub(crate) fn worst_use(robot: &Robot, trajectory: &PeriodicTrajectory, quantity: Quantity) -> WorstUse {
-    let mut worst = WorstUse::NONE;
-    for (j, joint) in robot.joints().iter().enumerate() {
-        let curve = trajectory.curve(j, quantity);
+    let uses = robot.joints().iter().enumerate().flat_map(|(j, joint)| {
         let range = interval(&joint.limits, quantity);
-        for extremum in [curve.minimum(), curve.maximum()] {
-            let (ratio, limit) = ratio_in(range, extremum.value);
-            let t = extremum.phase / trajectory.omega();
-            worst = worst.worst_of(WorstUse { ratio, joint: j, t, value: extremum.value, limit });
-        }
-    }
-    worst
+        extreme_uses(trajectory, j, &trajectory.curve(j, quantity), |value| ratio_in(range, value))
+    });
+    uses.fold(WorstUse::NONE, WorstUse::worst_of)
 }
 
 /// The worst use of the jerk limits, at the true extrema; `None` where no joint has one.
 pub(crate) fn worst_jerk(robot: &Robot, trajectory: &PeriodicTrajectory) -> Option<WorstUse> {
-    let mut worst: Option<WorstUse> = None;
-    for (j, joint) in robot.joints().iter().enumerate().filter(|(_, joint)| joint.limits.jerk.is_finite()) {
-        let (curve, limit) = (trajectory.derivative(j, 3), joint.limits.jerk);
-        for extremum in [curve.minimum(), curve.maximum()] {
-            let (ratio, t) = (extremum.value.abs() / limit, extremum.phase / trajectory.omega());
-            let limit = limit.copysign(extremum.value);
-            let here = WorstUse { ratio, joint: j, t, value: extremum.value, limit };
-            worst = Some(worst.map_or(here, |known| known.worst_of(here)));
-        }
-    }
-    worst
+    let limited = robot.joints().iter().enumerate().filter(|(_, joint)| joint.limits.jerk.is_finite());
+    let uses = limited.flat_map(|(j, joint)| {
+        let limit = joint.limits.jerk;
+        let used = |value: f64| (value.abs() / limit, limit.copysign(value));
+        extreme_uses(trajectory, j, &trajectory.derivative(j, 3), used)
+    });
+    uses.reduce(WorstUse::worst_of)
+}
+
+/// What a joint's curve uses at its extrema; `used` gives the ratio at a value and the limit it is held against.
+fn extreme_uses(
+    trajectory: &PeriodicTrajectory,
+    joint: usize,
+    curve: &Curve,
+    used: impl Fn(f64) -> (f64, f64),
+) -> [WorstUse; 2] {
+    [curve.minimum(), curve.maximum()].map(|Extremum { phase, value }| {
+        let (ratio, limit) = used(value);
+        WorstUse { ratio, joint, t: phase / trajectory.omega(), value, limit }
+    })
 }
 
 /// Interval that the given part of a limit leaves, about its middle.
@@ -97,6 +105,14 @@ pub(crate) fn permitted(limits: &Limits, quantity: Quantity, part: f64) -> (f64,
     }
 }
 
+/// Part of an interval that a curve needs if its mean may move: of a position its span, else its peak.
+pub(crate) fn room_used(curve: &Curve, quantity: Quantity, (low, high): (f64, f64)) -> f64 {
+    match quantity {
+        Quantity::Position => (curve.maximum().value - curve.minimum().value) / (high - low),
+        Quantity::Velocity | Quantity::Acceleration => curve.peak() / high,
+    }
+}
+
 /// Brings every joint inside the given parts of its limits with the least change of shape: the amplitudes of a joint
 /// shrink by one factor, then its mean moves into what its range leaves.
 ///
@@ -105,20 +121,14 @@ pub(crate) fn shrink_into_limits(robot: &Robot, trajectory: &mut PeriodicTraject
     for (j, joint) in robot.joints().iter().enumerate() {
         let mut factor = 1.0_f64;
         for quantity in Quantity::ALL {
-            let curve = trajectory.curve(j, quantity);
-            let (low, high) = permitted(&joint.limits, quantity, margins.of(quantity));
-            let (bottom, top) = (curve.minimum().value, curve.maximum().value);
-            let peak = match quantity {
-                Quantity::Position => (top - bottom) / (high - low),
-                _ => top.max(-bottom) / high,
-            };
+            let permitted = permitted(&joint.limits, quantity, margins.of(quantity));
+            let peak = room_used(&trajectory.curve(j, quantity), quantity, permitted);
             if peak > 1.0 {
                 factor = factor.min(1.0 / peak);
             }
         }
         if joint.limits.jerk.is_finite() {
-            let curve = trajectory.derivative(j, 3);
-            let peak = curve.maximum().value.max(-curve.minimum().value) / (margins.acceleration * joint.limits.jerk);
+            let peak = trajectory.derivative(j, 3).peak() / (margins.acceleration * joint.limits.jerk);
             if peak > 1.0 {
                 factor = factor.min(1.0 / peak);
             }
@@ -129,12 +139,11 @@ pub(crate) fn shrink_into_limits(robot: &Robot, trajectory: &mut PeriodicTraject
         let position = trajectory.curve(j, Quantity::Position);
         let (low, high) = permitted(&joint.limits, Quantity::Position, margins.position);
         let (under, over) = (low - position.minimum().value, position.maximum().value - high);
-        if under > 0.0 && over > 0.0 {
-            trajectory.adjust(j, 1.0, 0.5 * (under - over));
-        } else if under > 0.0 {
-            trajectory.adjust(j, 1.0, under);
-        } else if over > 0.0 {
-            trajectory.adjust(j, 1.0, -over);
+        match (under > 0.0, over > 0.0) {
+            (true, true) => trajectory.adjust(j, 1.0, 0.5 * (under - over)),
+            (true, false) => trajectory.adjust(j, 1.0, under),
+            (false, true) => trajectory.adjust(j, 1.0, -over),
+            (false, false) => {}
         }
     }
 }
@@ -150,10 +159,9 @@ mod tests {
     #[test]
     fn analytic_use_of_one_harmonic() {
         let mut robot = chains::planar_2r();
-        robot = chains::with_limits(
-            &robot,
-            Limits { position: (-1.0, 2.0), velocity: 2.0, acceleration: 4.0, jerk: 8.0, torque: 10.0, ..Limits::NONE },
-        );
+        let limits =
+            Limits { position: (-1.0, 2.0), velocity: 2.0, acceleration: 4.0, jerk: 8.0, torque: 10.0, ..Limits::NONE };
+        robot = robot.with_joints(|joint| joint.limits = limits).unwrap();
         let joint = |a: f64, q0: f64| FourierJoint { name: String::new(), a: vec![a], b: vec![0.0], q0 };
         let period = std::f64::consts::TAU;
         let series = FourierTrajectory { period_s: period, joints: vec![joint(1.0, 0.5), joint(0.5, 1.6)] };
@@ -177,7 +185,7 @@ mod tests {
         let (robot, _) = chains::random_robot(&mut rng, 3);
         let limits =
             Limits { position: (-0.7, 1.9), velocity: 1.5, acceleration: 5.0, jerk: 12.0, torque: 1.0, ..Limits::NONE };
-        let robot = chains::with_limits(&robot, limits);
+        let robot = robot.with_joints(|joint| joint.limits = limits).unwrap();
         for _ in 0..50 {
             let mut draw = |size: f64| (0..4).map(|_| rng.random_range(-size..size)).collect::<Vec<f64>>();
             let joints = (0..3)

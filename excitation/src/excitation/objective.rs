@@ -9,7 +9,7 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::criterion::{Criterion, Score};
-use super::error::ExcitationError;
+use super::error::{ExcitationError, same_joints};
 use super::expected::EffectTorques;
 use super::information::Information;
 use super::problem::DesignProblem;
@@ -17,7 +17,6 @@ use super::sampled::SampledBasis;
 use crate::dynamics::States;
 use crate::model::Robot;
 use crate::optimiser::Objective;
-use crate::regressor::JointTorqueRegressor;
 use crate::trajectory::PeriodicTrajectory;
 
 /// A criterion of the information as a function of the variables.
@@ -26,10 +25,11 @@ pub struct InformationObjective {
     sampled: SampledBasis,
     states: States,
     slopes: States,
-    criterion: Arc<dyn Criterion>,
+    pub(crate) criterion: Arc<dyn Criterion>,
     sensitivity: DMatrix<f64>,
     m: DMatrix<f64>,
-    exact: f64,
+    /// The criterion at the last point, without any smoothing.
+    pub(crate) exact: f64,
     effects: Option<Discrepancies>,
 }
 
@@ -41,50 +41,6 @@ struct Discrepancies {
     moments: DMatrix<f64>,
     /// `S_c`, b × E.
     sensitivity: DMatrix<f64>,
-}
-
-impl InformationObjective {
-    /// This criterion on this information of this family of trajectories.
-    pub fn new(information: Information, sampled: SampledBasis, criterion: Arc<dyn Criterion>) -> Self {
-        let b = information.columns();
-        let (n, samples) = (sampled.basis().dof(), sampled.samples());
-        Self {
-            information,
-            sampled,
-            states: States::with_len(n, samples),
-            slopes: States::with_len(n, samples),
-            criterion,
-            sensitivity: DMatrix::zeros(b, b),
-            m: DMatrix::zeros(b, b),
-            exact: f64::INFINITY,
-            effects: None,
-        }
-    }
-
-    /// Returns this objective where these effects are expected, on as many samples.
-    #[must_use]
-    pub fn with_effects(mut self, torques: EffectTorques) -> Self {
-        let none = DMatrix::zeros(0, 0);
-        self.effects = Some(Discrepancies { torques, d: none.clone(), moments: none.clone(), sensitivity: none });
-        self
-    }
-
-    /// Another criterion on the same information.
-    pub fn change(&mut self, criterion: Arc<dyn Criterion>) {
-        self.criterion = criterion;
-    }
-
-    /// The information matrix of the last point.
-    pub const fn matrix(&self) -> &DMatrix<f64> {
-        &self.m
-    }
-}
-
-impl InformationObjective {
-    /// The criterion at the last point, without any smoothing.
-    pub const fn exact(&self) -> f64 {
-        self.exact
-    }
 }
 
 impl Objective for InformationObjective {
@@ -103,7 +59,7 @@ impl Objective for InformationObjective {
 
     fn gradient(&mut self, gradient: &mut [f64]) {
         let moments = self.effects.as_ref().map(|effects| (&effects.d, &effects.sensitivity));
-        self.information.pull_back_with(&self.states, &self.sensitivity, moments, &mut self.slopes);
+        self.information.pull_back(&self.states, &self.sensitivity, moments, &mut self.slopes);
         if let Some(effects) = &self.effects {
             let by_d = self.information.pull_back_moments(&effects.sensitivity);
             effects.torques.pull_back(&self.states, &by_d, &mut self.slopes);
@@ -117,11 +73,6 @@ impl Objective for InformationObjective {
 /// A sample that crosses a reversal flips a sharp sign, and the criterion would jump with every sample. The
 /// certificate always uses the drive's own law.
 const COULOMB_PART: f64 = 0.05;
-
-/// The regressor that the optimiser sees.
-fn smoothed_regressor(problem: &DesignProblem) -> Result<JointTorqueRegressor, ExcitationError> {
-    problem.regressor(&smoothed_robot(problem)?)
-}
 
 /// The robot that the optimiser sees.
 fn smoothed_robot(problem: &DesignProblem) -> Result<Robot, ExcitationError> {
@@ -141,12 +92,11 @@ impl DesignProblem {
     /// [`ExcitationError::Joints`] if the trajectory is of another number of joints than the robot.
     pub fn information(&self, trajectory: &PeriodicTrajectory) -> Result<DMatrix<f64>, ExcitationError> {
         let n = self.robot().dof();
-        if trajectory.dof() != n {
-            return Err(ExcitationError::Joints { found: trajectory.dof(), expected: n });
-        }
-        let noise = self.objective().noise().map_or_else(|| vec![1.0; n], <[f64]>::to_vec);
+        same_joints(trajectory.dof(), n)?;
+        let noise = self.objective().noise.clone().unwrap_or_else(|| vec![1.0; n]);
         let samples = self.samples();
-        let mut information = Information::new(smoothed_regressor(self)?, &self.base().kept, samples, &noise, None);
+        let regressor = self.regressor(&smoothed_robot(self)?)?;
+        let mut information = Information::new(regressor, &self.base().kept, samples, &noise, None);
         Ok(information.gather(&trajectory.sample(samples)))
     }
 
@@ -157,7 +107,7 @@ impl DesignProblem {
     /// # Errors
     /// As [`Self::information`].
     pub fn bound_ratio(&self, trajectory: &PeriodicTrajectory) -> Result<Option<f64>, ExcitationError> {
-        let Some(prior) = self.objective().prior() else { return Ok(None) };
+        let Some(prior) = &self.objective().prior else { return Ok(None) };
         let after = prior + self.information(trajectory)?;
         let variances = |m: &DMatrix<f64>| m.clone().cholesky().map(|factor| factor.inverse().diagonal());
         let (Some(before), Some(after)) = (variances(prior), variances(&after)) else { return Ok(None) };
@@ -172,18 +122,32 @@ impl DesignProblem {
 impl InformationObjective {
     /// The objective of a problem, with its criterion smoothed to `sharpness` where it has kinks.
     pub(crate) fn of(problem: &DesignProblem, sharpness: f64) -> Result<Self, ExcitationError> {
-        let regressor = smoothed_regressor(problem)?;
-        let sampled = SampledBasis::new(problem.basis().clone(), problem.samples());
-        let objective = problem.objective();
-        let criterion = objective.criterion();
-        let prior = objective.prior().filter(|_| criterion.is_weighted()).cloned();
-        let noise = objective.row_noise(problem.robot().dof());
-        let information = Information::new(regressor, &objective.base().kept, problem.samples(), &noise, prior);
-        let made = Self::new(information, sampled, objective.smoothed(sharpness));
-        let Some(expected) = objective.expected().filter(|_| criterion.expects_effects()) else { return Ok(made) };
-        let robot = smoothed_robot(problem)?;
-        let period_s = problem.space().period_s();
-        Ok(made.with_effects(EffectTorques::new(&robot, expected, problem.samples(), period_s)))
+        let (n, samples, objective) = (problem.robot().dof(), problem.samples(), problem.objective());
+        let (robot, criterion, base) = (smoothed_robot(problem)?, &objective.criterion, &objective.base);
+        let prior = objective.prior.clone().filter(|_| criterion.is_weighted());
+        let discrepancies = |expected| Discrepancies {
+            torques: EffectTorques::new(&robot, expected, samples, problem.space().period_s),
+            d: DMatrix::zeros(0, 0),
+            moments: DMatrix::zeros(0, 0),
+            sensitivity: DMatrix::zeros(0, 0),
+        };
+        Ok(Self {
+            information: Information::new(
+                problem.regressor(&robot)?,
+                &base.kept,
+                samples,
+                &objective.row_noise(n),
+                prior,
+            ),
+            sampled: SampledBasis::new(problem.basis().clone(), samples),
+            states: States::with_len(n, samples),
+            slopes: States::with_len(n, samples),
+            criterion: objective.smoothed(sharpness),
+            sensitivity: DMatrix::zeros(base.rank(), base.rank()),
+            m: DMatrix::zeros(base.rank(), base.rank()),
+            exact: f64::INFINITY,
+            effects: objective.expected.as_ref().filter(|_| criterion.expects_effects()).map(discrepancies),
+        })
     }
 
     /// The information at `x`, and the moments of what effects add to its torque.
@@ -207,13 +171,6 @@ impl InformationObjective {
         }
     }
 
-    /// The value at `x`, without what a gradient needs.
-    #[cfg(test)]
-    fn value_alone(&mut self, x: &[f64]) -> f64 {
-        self.gather(x);
-        self.score().value
-    }
-
     /// The criterion at `x`, without any smoothing and without a gradient.
     pub(crate) fn exact_at(&mut self, x: &[f64]) -> f64 {
         self.gather(x);
@@ -233,7 +190,7 @@ mod tests {
 
     fn problem(columns: Columns, kind: CriterionKind) -> DesignProblem {
         let mut problem = DesignProblem::new(chains::crs_a460(), columns, kind, DesignLimits::of_motion()).unwrap();
-        problem.set_samples(40).unwrap();
+        problem.objective.samples = 40;
         problem.set_noise(vec![0.3, 0.5, 0.2, 0.1, 0.1, 0.05]).unwrap();
         problem
     }
@@ -262,7 +219,7 @@ mod tests {
             EffectLaw::Scaled(0.03),
         ];
         let effects = laws.map(|law| ExpectedEffect { name: "effect".to_owned(), law });
-        ExpectedEffects::new(chains::crs_a460_nominal(), effects.into()).unwrap()
+        ExpectedEffects { nominal: chains::crs_a460_nominal(), effects: effects.into(), are_carried: false }
     }
 
     #[test]
@@ -272,7 +229,7 @@ mod tests {
                 // All columns with one family, the rigid ones with the others.
                 let columns = if family == Family::Fourier { Columns::RIGID_ROTOR_FRICTION } else { Columns::RIGID };
                 let mut problem = problem(columns, kind);
-                problem.set_space(DesignSpace::new(family, 10.0, vec![5, 5, 5, 3, 3, 4]).unwrap()).unwrap();
+                problem.set_space(DesignSpace::new(family, 10.0, vec![5, 5, 5, 3, 3, 4])).unwrap();
                 if kind.criterion().expects_effects() {
                     problem.set_expected(expected(&problem)).unwrap();
                 }
@@ -289,7 +246,8 @@ mod tests {
                     let at = |h: f64, objective: &mut InformationObjective| {
                         let mut moved = x.clone();
                         moved[i] += h;
-                        objective.value_alone(&moved)
+                        objective.gather(&moved);
+                        objective.score().value
                     };
                     // Sixth-order differences; a short step leaves the rounding of small eigenvalues, a long one truncation.
                     let error = [2e-4, 5e-4, 1e-3, 2e-3].map(|h| {

@@ -10,7 +10,7 @@ use super::basis::MotionBasis;
 use super::limits::WorstUse;
 use super::margins::Margins;
 use crate::linalg::dot;
-use crate::model::{Limits, Robot};
+use crate::model::{Joint, Limits, Robot};
 use crate::optimiser::{LinearLimits, Row, RowSource, climb};
 use crate::trajectory::{PeriodicTrajectory, Segment, Timeline};
 
@@ -179,7 +179,7 @@ pub(crate) fn use_on_ramps(
                     let (part, found) = refine(|part| sign * value(part), part, 1.0 / count as f64);
                     let t = timeline.time_s(segment, part);
                     let here = WorstUse { ratio: found / limit, joint, t, value: sign * found, limit: sign * limit };
-                    *worst = Some(worst.map_or(here, |known| known.worst_of(here)));
+                    *worst = WorstUse::worst_of_both(*worst, Some(here));
                 }
             }
         }
@@ -194,17 +194,9 @@ pub(crate) fn worst_on_ramps(
     timeline: Timeline,
     samples: usize,
 ) -> [Option<WorstUse>; 2] {
-    let mut worst: [Option<WorstUse>; 2] = [None, None];
-    for (joint, j) in robot.joints().iter().enumerate() {
-        let own = use_on_ramps(&j.limits, trajectory, joint, timeline, samples);
-        for (worst, own) in worst.iter_mut().zip(own) {
-            *worst = match (*worst, own) {
-                (Some(known), Some(own)) => Some(known.worst_of(own)),
-                (known, own) => known.or(own),
-            };
-        }
-    }
-    worst
+    let own = |(joint, j): (usize, &Joint)| use_on_ramps(&j.limits, trajectory, joint, timeline, samples);
+    let uses = robot.joints().iter().enumerate().map(own);
+    uses.fold([None; 2], |worst, own| [0, 1].map(|k| WorstUse::worst_of_both(worst[k], own[k])))
 }
 
 #[cfg(test)]
@@ -243,7 +235,7 @@ mod tests {
     #[test]
     fn identity_rows_hold_what_the_ramps_and_the_jerk_ask() {
         let robot = chains::crs_a460().with_joints(|joint| joint.limits.jerk = 20.0).unwrap();
-        let basis = MotionBasis::new(&robot, &DesignSpace::new(Family::Fourier, 10.0, vec![5; 6]).unwrap()).unwrap();
+        let basis = MotionBasis::new(&robot, &DesignSpace::new(Family::Fourier, 10.0, vec![5; 6])).unwrap();
         let motion: PeriodicTrajectory = radkhah2007_start(&robot, 10.0, 5, Seed::new(3), 0).unwrap().into();
         let timeline = Timeline { period_s: 10.0, ramp_s: Some(0.4) };
         let mut source = PathRows::new(&robot, &basis, timeline, &Margins::default(), 1e-7);

@@ -127,15 +127,16 @@ mod tests {
         let make = |limits| {
             let mut problem =
                 DesignProblem::new(robot.clone(), Columns::RIGID, CriterionKind::DOptimal, limits).unwrap();
-            problem.set_budget(DesignBudget::new(80).unwrap());
+            problem.set_budget(DesignBudget { evaluations: 80, ..DesignBudget::default() }).unwrap();
             design(&problem, Seed::new(7), 0).unwrap()
         };
-        let (free, held) = (make(limits.clone()), make(limits.with_rms_speed(0.15).unwrap()));
+        let (free, held) = (make(limits.clone()), make(DesignLimits { rms_speed: Some(0.15), ..limits.clone() }));
         let speed = |design: &crate::excitation::Design| rms_speed(&robot, &design.trajectory, 1000);
         assert!(speed(&free) > 0.2 && free.value > held.value, "{}", speed(&free));
         assert!((0.149..=0.15 * (1.0 + 1e-9)).contains(&speed(&held)), "{}", speed(&held));
         for none in [0.0, f64::NAN] {
-            assert!(DesignLimits::of_motion().with_rms_speed(none).is_err());
+            let limits = DesignLimits { rms_speed: Some(none), ..limits.clone() };
+            assert!(DesignProblem::new(robot.clone(), Columns::RIGID, CriterionKind::DOptimal, limits).is_err());
         }
     }
 }

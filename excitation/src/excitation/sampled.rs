@@ -54,8 +54,7 @@ impl ShapeTable {
 /// The motions of all joints at the samples `θ_k = 2π k / N`.
 #[derive(Clone, Debug)]
 pub struct SampledBasis {
-    basis: MotionBasis,
-    samples: usize,
+    pub(super) basis: MotionBasis,
     /// One for each shape of the basis.
     tables: Vec<ShapeTable>,
 }
@@ -63,18 +62,8 @@ pub struct SampledBasis {
 impl SampledBasis {
     /// `samples` samples of a family.
     pub fn new(basis: MotionBasis, samples: usize) -> Self {
-        let tables = basis.shapes().iter().map(|shape| ShapeTable::new(&**shape, samples)).collect();
-        Self { basis, samples, tables }
-    }
-
-    /// The family.
-    pub const fn basis(&self) -> &MotionBasis {
-        &self.basis
-    }
-
-    /// Number of samples N.
-    pub const fn samples(&self) -> usize {
-        self.samples
+        let tables = basis.shapes.iter().map(|shape| ShapeTable::new(&**shape, samples)).collect();
+        Self { basis, tables }
     }
 
     /// Fills `states` (N samples of n joints) with the motion of the variables `x`.
@@ -83,7 +72,7 @@ impl SampledBasis {
         let mut values = Vec::new();
         for j in 0..n {
             let coefficients = self.basis.unscaled(j, x);
-            let table = &self.tables[self.basis.shape_of(j)];
+            let table = &self.tables[self.basis.joints[j].shape];
             for (order, states) in [&mut states.q, &mut states.qd, &mut states.qdd].into_iter().enumerate() {
                 table.motion(order, &coefficients, &mut values);
                 for (state, value) in states.iter_mut().skip(j).step_by(n).zip(&values) {
@@ -107,13 +96,13 @@ impl SampledBasis {
                 continue;
             }
             block.fill(0.0);
-            let table = &self.tables[self.basis.shape_of(j)];
+            let table = &self.tables[self.basis.joints[j].shape];
             for (order, slopes) in [&sensitivity.q, &sensitivity.qd, &sensitivity.qdd].into_iter().enumerate() {
                 weights.clear();
                 weights.extend(slopes.iter().skip(j).step_by(n));
                 table.pull_back(order, &weights, block);
             }
-            for (g, scale) in block.iter_mut().zip(self.basis.scales(j)) {
+            for (g, scale) in block.iter_mut().zip(&self.basis.joints[j].scales) {
                 *g *= scale;
             }
         }
@@ -134,7 +123,8 @@ mod tests {
         let mut rng = Seed::new(3).stream("basis", 0);
         let (robot, _) = chains::random_robot(&mut rng, 4);
         let basis = |family: Family| {
-            let space = DesignSpace::new(family, 7.0, vec![3, 4, 3, 3]).unwrap().with_frozen(2, 0.3).unwrap();
+            let mut space = DesignSpace::new(family, 7.0, vec![3, 4, 3, 3]);
+            space.frozen[2] = Some(0.3);
             let basis = MotionBasis::new(&robot, &space).unwrap();
             let mut rng = Seed::new(3).stream("variables", 0);
             let x = (0..basis.variables()).map(|_| rng.random_range(-1.0..1.0)).collect();

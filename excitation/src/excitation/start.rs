@@ -13,8 +13,8 @@
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 
-use super::error::ExcitationError;
-use super::limits::interval;
+use super::error::{ExcitationError, above_zero, at_least_one};
+use super::limits::{interval, room_used};
 use crate::linalg::{solve_upper, triangular_factor};
 use crate::model::Robot;
 use crate::seed::Seed;
@@ -49,13 +49,9 @@ pub(super) fn series_start(
     seed: Seed,
     index: u64,
 ) -> Result<FourierTrajectory, ExcitationError> {
-    if !(period_s.is_finite() && period_s > 0.0) {
-        return Err(ExcitationError::NotPositive { quantity: "period", found: period_s, unit: "s" });
-    }
+    above_zero("period", period_s, "s")?;
     let highest = harmonics.iter().copied().max().unwrap_or(0);
-    if highest == 0 {
-        return Err(ExcitationError::TooFew { quantity: "harmonics", found: 0, least: 1 });
-    }
+    at_least_one("harmonics", highest)?;
     let mut rng = seed.stream("paper start", index);
     let count = START_VELOCITIES.max(4 * highest);
     let mut joints = Vec::with_capacity(robot.dof());
@@ -116,21 +112,11 @@ fn scale_to_limits(robot: &Robot, trajectory: &mut FourierTrajectory, joint: usi
     let limits = &robot.joints()[joint].limits;
     let mut largest = 0.0_f64;
     for quantity in Quantity::ALL {
-        let (low, high) = interval(limits, quantity);
         let curve = trajectory.curve(joint, quantity as usize);
-        let (bottom, top) = (curve.minimum().value, curve.maximum().value);
-        let ratio = match quantity {
-            Quantity::Position => (top - bottom) / (high - low),
-            _ => top.max(-bottom) / high,
-        };
-        largest = largest.max(ratio);
+        largest = largest.max(room_used(&curve, quantity, interval(limits, quantity)));
     }
     if largest > 0.0 {
-        let factor = START_USE / largest;
-        let series = &mut trajectory.joints[joint];
-        for amplitude in series.a.iter_mut().chain(&mut series.b) {
-            *amplitude *= factor;
-        }
+        trajectory.adjust(joint, START_USE / largest, 0.0);
     }
 }
 
@@ -143,7 +129,7 @@ mod tests {
     #[test]
     fn analytic_fit_recovers_a_series_and_projects_the_rest() {
         let trajectory = crate::trajectory::table_one::corrected();
-        let velocity = trajectory.velocity(3);
+        let velocity = trajectory.curve(3, 1);
         let sample = |m: usize| velocity.value(std::f64::consts::TAU * m as f64 / 100.0);
         let exact: Vec<f64> = (0..100).map(sample).collect();
         let (a, b) = fit_velocities(&exact, 5);

@@ -235,11 +235,10 @@ mod tests {
         nominal.links[0] = Inertia::from_array(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let omega = (0.3 * LEVEL / (0.16 * 0.5_f64)).sqrt();
         let period_s = std::f64::consts::TAU / omega;
-        problem.set_space(DesignSpace::new(Family::Fourier, period_s, vec![5; 2]).unwrap()).unwrap();
-        problem
-            .set_limits(DesignLimits::of_motion().with_efforts(nominal).with_ramps(0.2 * period_s).unwrap())
-            .unwrap();
-        problem.set_budget(DesignBudget::default().with_certificate_samples(500).unwrap());
+        problem.set_space(DesignSpace::new(Family::Fourier, period_s, vec![5; 2])).unwrap();
+        let (nominal, ramp_s) = (Some(nominal), Some(0.2 * period_s));
+        problem.set_limits(DesignLimits { nominal, ramp_s, ..DesignLimits::of_motion() }).unwrap();
+        problem.set_budget(DesignBudget { certificate_samples: 500, ..DesignBudget::default() }).unwrap();
         let joint = |name: &str, b: f64, q0: f64| FourierJoint { name: name.into(), a: vec![0.0], b: vec![b], q0 };
         let joints = vec![joint("shoulder", 0.5 * omega, -0.5), joint("elbow", 0.0, 0.0)];
         let motion = FourierTrajectory::new(period_s, joints).unwrap().into();
@@ -256,7 +255,7 @@ mod tests {
         assert!((0.9..0.96).contains(&used), "{used}");
         let mut verify = |motion: &PeriodicTrajectory, ramp_periods: f64| {
             let timeline =
-                Timeline { period_s: motion.period_s(), ramp_s: Some(ramp_periods * problem.space().period_s()) };
+                Timeline { period_s: motion.period_s(), ramp_s: Some(ramp_periods * problem.space().period_s) };
             verify_performance(problem.robot(), motion, timeline, &certificate, Some(&mut model))
         };
         assert_eq!(verify(&motion, 0.2), Ok(()));

@@ -26,7 +26,7 @@ impl<'a> From<&'a DesignProblem> for WatchedProblem<'a> {
 impl WatchedProblem<'_> {
     /// Reports the evaluations so far; does the search go on?
     pub(super) fn goes_on(&self, done: usize) -> bool {
-        let total = self.problem.budget().evaluations();
+        let total = self.problem.budget().evaluations;
         self.observer.observe(Progress { work: Work::Evaluations, done, total }).is_continue()
     }
 }

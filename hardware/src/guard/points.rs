@@ -64,7 +64,7 @@ pub fn fastest_point(robot: &Robot, plan: &ExperimentPlan, layout: &Layout) -> F
     let n = robot.dof();
     let (mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n]);
     fastest(robot, layout.period_samples, 1.0 / plan.rate_hz, &mut |k, q| {
-        command.evaluate(command.periodic_begin_s() + k as f64 / plan.rate_hz, q, &mut qd, &mut qdd);
+        command.evaluate(command.periodic_s + k as f64 / plan.rate_hz, q, &mut qd, &mut qdd);
     })
 }
 
@@ -90,7 +90,7 @@ mod tests {
         let position = robot.poses(&[0.0; 2])[1].translation;
         let tip = NamedPoint { name: "tip".to_owned(), link: 2, position };
         let foot = NamedPoint { name: "foot".to_owned(), link: 0, position };
-        let found = turning(&robot.with_points(vec![foot, tip]));
+        let found = turning(&robot.changed(|spec| spec.points = vec![foot, tip]).unwrap());
         assert!(found.point == "tip" && (found.speed - 4.0 * radius).abs() < 4e-5, "{found:?} {radius}");
     }
 }

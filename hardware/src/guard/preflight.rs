@@ -83,7 +83,7 @@ pub(super) fn of_plan(
     let mut worst = (0.0_f64, 0, 0.0);
     // The ramps run the path of the motion: one period shows every position.
     for k in 0..=layout.period_samples {
-        command.evaluate(command.periodic_begin_s() + k as f64 / plan.rate_hz, &mut q, &mut qd, &mut qdd);
+        command.evaluate(command.periodic_s + k as f64 / plan.rate_hz, &mut q, &mut qd, &mut qdd);
         for (j, joint) in bounds.iter().enumerate() {
             if joint.soft_use(q[j]) > worst.0 {
                 worst = (joint.soft_use(q[j]), j, q[j]);

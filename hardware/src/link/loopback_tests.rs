@@ -284,7 +284,7 @@ fn stamps_that_stand_still_and_states_that_cannot_come_are_named() {
 
 /// Keeps samples until one is later than `until`, then answers with `flow`.
 struct Until {
-    recorder: Recorder,
+    recorder: Recorder<'static>,
     until: f64,
     flow: Flow,
 }

@@ -151,7 +151,7 @@ impl Plan {
             let key = quantity.key();
             let help = || {
                 let map = "q=joint[1-6] deg, tau=joint[1-6] motor gear=100";
-                Remedy::from("a map of joint states names joints: ").to(Setting::Map, map)
+                Remedy::from("joints named as in the robot need no map; another map of joint states names joints: ").to(Setting::Map, map)
             };
             let is_effort = quantity.is_effort();
             let is_known = |joint: &str| found.contains(joint) || (is_effort && joint == NONE);
@@ -171,7 +171,7 @@ impl Plan {
         if mapping.of(Quantity::Time).is_some() {
             let message =
                 format!("t: the times of {name} are the stamps of its messages, expected none in the mapping");
-            return Err(Error::mismatch(message).help("leave out t"));
+            return Err(Error::mismatch(message).help("leave out t; joints named as in the robot need no map at all"));
         }
         if mapping.of(Quantity::Command).is_some() {
             let message = format!("q_cmd: {name} holds joint states, which have no commands, expected tau or current");

@@ -13,7 +13,8 @@ pub struct Command<'a> {
     trajectory: &'a dyn Trajectory,
     timeline: Timeline,
     ramp_in_s: f64,
-    periodic_s: f64,
+    /// When the periodic motion begins, s after the beginning of the experiment: its phase is zero there.
+    pub periodic_s: f64,
     ramp_out_s: f64,
 }
 
@@ -29,11 +30,6 @@ impl<'a> Command<'a> {
             periodic_s: at(ramp_in.end),
             ramp_out_s: at(ramp_out.start),
         }
-    }
-
-    /// When the periodic motion begins, s after the beginning of the experiment: its phase is zero there.
-    pub fn periodic_begin_s(&self) -> f64 {
-        self.periodic_s
     }
 
     /// Where the commanded motion is on the path of its trajectory, and how fast, at time `t` (s) of the experiment. The
@@ -143,7 +139,7 @@ mod tests {
             for k in 1..20 {
                 let part = 0.05 * f64::from(k);
                 let certified = timeline.point(segment, part);
-                let mut t = command.periodic_begin_s() + timeline.time_s(segment, part);
+                let mut t = command.periodic_s + timeline.time_s(segment, part);
                 let mut path_s = certified.path_s;
                 if segment == Segment::RampOut {
                     // The ramp out follows the last of three periods, not the first.

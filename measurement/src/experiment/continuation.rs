@@ -12,7 +12,7 @@
 use super::arm::{Arm, ArmError, Ending, Flow, Sink};
 use super::command::Command;
 use super::layout::Layout;
-use super::phase::{Phase, PhaseSpan};
+use super::phase::Phase;
 use super::plan::ExperimentPlan;
 use super::plan_error::PlanError;
 use super::plan_mismatch::PlanMismatchError;
@@ -54,8 +54,7 @@ impl Continuation {
             return Err(PlanMismatchError::Trajectory.into());
         }
         for span in layout.spans.iter().filter(|span| span.phase < Phase::Record) {
-            let found = cut.phases.iter().find(|found| found.phase == span.phase).map_or(0..0, |s| s.samples.clone());
-            let planned = span.samples.clone();
+            let (found, planned) = (cut.planned(span.phase), span.samples.clone());
             if found != planned {
                 return Err(PlanMismatchError::Span { phase: span.phase, found, planned }.into());
             }
@@ -85,7 +84,7 @@ impl Continuation {
 
     /// A sink for the arm that performs the rest; `whole` receives the joined experiment, the kept samples first.
     pub fn join<'a>(&'a self, whole: &'a mut dyn Sink) -> Joined<'a> {
-        Joined { continuation: self, whole, flow: Flow::Continue, rest: Vec::new() }
+        Joined { continuation: self, whole, flow: Flow::Continue }
     }
 
     /// Hands the kept samples to a sink, as [`Continuation::join`] does before the first new one.
@@ -96,12 +95,8 @@ impl Continuation {
         let n = kept.dof;
         let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         for k in 0..kept.len() {
-            let t = kept.t[k];
-            command.evaluate(t, &mut q, &mut qd, &mut qdd);
-            let phase = self.layout.phase(k);
-            let (effort, voltage, link_q) = (kept.effort(k), kept.voltage(k), kept.link_q(k));
-            let sample = RawSample { index: k, t, phase, q: kept.q(k), effort, voltage, link_q, command: &q };
-            let flow = sink.sample(&sample);
+            command.evaluate(kept.t[k], &mut q, &mut qd, &mut qdd);
+            let flow = sink.sample(&kept.sample(k, self.layout.phase(k), &q));
             if flow.ends() {
                 return flow;
             }
@@ -129,13 +124,10 @@ pub struct Joined<'a> {
     continuation: &'a Continuation,
     whole: &'a mut dyn Sink,
     flow: Flow,
-    /// The spans of the second part.
-    rest: Vec<PhaseSpan>,
 }
 
 impl Sink for Joined<'_> {
-    fn begin(&mut self, recording: &Recording) {
-        self.rest.clone_from(&recording.phases);
+    fn begin(&mut self, _: &Recording) {
         self.flow = self.continuation.replay_kept(self.whole);
     }
 

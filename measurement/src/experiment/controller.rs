@@ -86,11 +86,6 @@ impl JointPid {
         self.dt
     }
 
-    /// Position gains, N·m/rad, n.
-    pub fn kp(&self) -> &[f64] {
-        &self.kp
-    }
-
     /// Resets everything but the gains.
     pub fn reset(&mut self) {
         self.integral.fill(0.0);

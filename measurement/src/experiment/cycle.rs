@@ -45,10 +45,7 @@ pub enum Next {
 /// One experiment as a sequence of servo steps.
 #[derive(Clone, Debug)]
 pub struct Cycle {
-    layout: Arc<Layout>,
-    table: Arc<CommandTable>,
-    rate_hz: f64,
-    per_sample: usize,
+    timing: Timing,
     names: Vec<String>,
     /// Ten times the speed limits.
     runaway: Vec<f64>,
@@ -61,26 +58,26 @@ pub struct Cycle {
     phase: usize,
 }
 
-/// Everything a cycle is made of.
-pub(super) struct CycleSpec<'a> {
-    pub(super) robot: &'a Robot,
+/// What is commanded when, shared by all runs of a plan.
+#[derive(Clone, Debug)]
+pub(super) struct Timing {
     pub(super) layout: Arc<Layout>,
     pub(super) table: Arc<CommandTable>,
     pub(super) rate_hz: f64,
+    /// Servo steps.
     pub(super) per_sample: usize,
-    pub(super) joints: JointLoop,
-    pub(super) clock: Option<SampleClock>,
-    pub(super) slips: Option<ClockSlips>,
 }
 
 impl Cycle {
-    pub(super) fn new(spec: CycleSpec<'_>) -> Self {
-        let CycleSpec { robot, layout, table, rate_hz, per_sample, joints, clock, slips } = spec;
+    pub(super) fn new(
+        robot: &Robot,
+        timing: Timing,
+        joints: JointLoop,
+        clock: Option<SampleClock>,
+        slips: Option<ClockSlips>,
+    ) -> Self {
         Self {
-            layout,
-            table,
-            rate_hz,
-            per_sample,
+            timing,
             names: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
             runaway: robot.joints().iter().map(|joint| 10.0 * joint.limits.velocity).collect(),
             joints,
@@ -100,7 +97,7 @@ impl Cycle {
 
     /// Where the plant must be at rest when the experiment begins, n.
     pub fn start(&self) -> &[f64] {
-        self.table.row(0)
+        self.timing.table.row(0)
     }
 
     /// Steps of the plant in a servo step, of equal length: one, unless effects of the drives need more.
@@ -133,16 +130,19 @@ impl Cycle {
         sink: &mut dyn Sink,
         observer: &mut dyn FnMut(&TrueState<'_>),
     ) -> Next {
-        let due = self.step.is_multiple_of(self.per_sample);
-        while due && self.phase < self.layout.spans.len() && self.sample >= self.layout.spans[self.phase].samples.end {
+        let due = self.step.is_multiple_of(self.timing.per_sample);
+        while due
+            && self.phase < self.timing.layout.spans.len()
+            && self.sample >= self.timing.layout.spans[self.phase].samples.end
+        {
             self.phase += 1;
         }
-        let Some(span) = self.layout.spans.get(self.phase) else { return self.end(Ending::Completed) };
+        let Some(span) = self.timing.layout.spans.get(self.phase) else { return self.end(Ending::Completed) };
         let phase = span.phase;
         if let Some(reason) = self.runaway(q, qd) {
             return self.end(Ending::Diverged { t: self.step as f64 * self.dt(), phase, reason });
         }
-        let command = self.table.row(self.step);
+        let command = self.timing.table.row(self.step);
         let saturated = self.joints.step(command, q, qd);
         self.tracking.saturated_steps += usize::from(saturated);
         if phase == Phase::Record {
@@ -150,7 +150,7 @@ impl Cycle {
         }
         self.step += 1;
         if due {
-            let (index, t) = (self.sample, self.sample as f64 / self.rate_hz);
+            let (index, t) = (self.sample, self.sample as f64 / self.timing.rate_hz);
             self.sample += 1;
             // At the time that the sample is stamped with, unless the clock says otherwise. Where it is lost, the one before
             // stands in its place.
@@ -172,7 +172,7 @@ impl Cycle {
 
     /// Ends the experiment because the plant failed.
     pub fn fail(&mut self, fault: PlantError) -> Ending {
-        let phase = self.layout.spans.get(self.phase).map_or(Phase::RampOut, |span| span.phase);
+        let phase = self.timing.layout.spans.get(self.phase).map_or(Phase::RampOut, |span| span.phase);
         let t = self.step as f64 * self.dt();
         self.tracking.finish();
         Ending::Diverged { t, phase, reason: DivergenceError::Plant(fault) }

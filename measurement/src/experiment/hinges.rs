@@ -1,11 +1,11 @@
 //! Small robots for tests, and a plant whose motion has a closed form: rotors alone, each on a vertical axis.
 
 use crate::model::term::ROTOR;
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::DMatrix;
 
 use super::plant::{Plant, PlantError};
 use crate::model::{DhConvention, DhRow, Drive, Joint, JointKind, Limits, Robot, RobotSpec, StandardParameters};
-use crate::spatial::{Inertia, Placement};
+use crate::spatial::Inertia;
 use crate::trajectory::{FourierJoint, FourierTrajectory};
 
 /// Inertia of every hinge, kg·m².
@@ -43,17 +43,8 @@ fn robot(dof: usize, coupling: Option<DMatrix<f64>>) -> Robot {
             drive: drive(),
         }
     });
-    Robot::new(RobotSpec {
-        name: "hinges".to_owned(),
-        gravity: Vector3::zeros(),
-        base: Placement::identity(),
-        joints: joints.collect(),
-        coupling,
-        shapes: Vec::new(),
-        obstacles: Vec::new(),
-        may_touch: Vec::new(),
-    })
-    .expect("distinct joints with positive limits")
+    Robot::new(RobotSpec { name: "hinges".to_owned(), joints: joints.collect(), coupling, ..RobotSpec::default() })
+        .expect("distinct joints with positive limits")
 }
 
 /// One vertical hinge: no gravity, no friction.

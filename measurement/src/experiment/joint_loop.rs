@@ -8,8 +8,7 @@ use super::controller::JointPid;
 use super::effects::{ActualArm, ActualDrives};
 use super::motor_load::MotorLoad;
 use super::motors::Motors;
-use super::sensing::Sensing;
-use super::sensing::Sensors;
+use super::sensing::{Sensing, Sensors};
 use super::servo_error::ServoError;
 use super::transmission::Transmission;
 use crate::model::{Drive, EffortInterface, Robot, StandardParameters};
@@ -85,7 +84,7 @@ impl JointLoop {
     pub(super) fn of(robot: &Robot, load: &MotorLoad, motors: Motors, sensors: Sensors) -> Self {
         let transmission = Transmission::new(robot);
         let limit: Vec<f64> = robot.joints().iter().map(|joint| joint.drive.current_limit).collect();
-        let controller = JointPid::new(robot.servo(), load, transmission.per_ampere(), &limit);
+        let controller = JointPid::new(robot.servo(), load, &transmission.per_ampere, &limit);
         let zero = || vec![0.0; robot.dof()];
         Self {
             effort: robot.effort(),
@@ -114,7 +113,7 @@ impl JointLoop {
 
     /// Returns this loop around the drives of an arm with effects, whose plant is at rest at `start`.
     pub(super) fn with_effects(mut self, arm: &ActualArm, start: &[f64]) -> Self {
-        self.drives = ActualDrives::of(arm, &self.transmission, self.motors.per_ampere(), start).map(Box::new);
+        self.drives = ActualDrives::of(arm, &self.transmission, &self.motors.per_ampere, start).map(Box::new);
         self
     }
 
@@ -195,7 +194,7 @@ impl JointLoop {
             self.before.copy_from_slice(&self.current);
         }
         for i in 0..self.tau.len() {
-            self.torque_motor[i] = self.motors.per_ampere()[i] * self.current[i];
+            self.torque_motor[i] = self.motors.per_ampere[i] * self.current[i];
         }
         self.transmission.joint_torque(&self.torque_motor, &mut self.tau);
         if let Some(drives) = &mut self.drives {
@@ -250,7 +249,7 @@ impl JointLoop {
             EffortInterface::Current => self.reported.copy_from_slice(&self.sensed),
             EffortInterface::Torque => {
                 for i in 0..self.sensed.len() {
-                    self.torque_motor[i] = self.transmission.per_ampere()[i] * self.sensed[i];
+                    self.torque_motor[i] = self.transmission.per_ampere[i] * self.sensed[i];
                 }
                 self.transmission.joint_torque(&self.torque_motor, &mut self.reported);
             }
@@ -285,7 +284,7 @@ mod tests {
     #[test]
     fn identity_following_a_plan_s_commands_is_the_servo_to_the_last_bit() {
         for effort in EffortInterface::ALL {
-            let robot = hinges::coupled().with_effort(effort);
+            let robot = hinges::coupled().changed(|spec| spec.effort = effort).unwrap();
             let nominal = hinges::parameters(2);
             let plan =
                 ExperimentPlan { settle_s: 0.1, ramp_s: 0.3, periods: 1, ..ExperimentPlan::new(hinges::trajectory(2)) };

@@ -26,20 +26,15 @@ impl ExperimentPlan {
             for (i, joint) in robot.joints().iter().enumerate() {
                 let limits = &joint.limits;
                 let (low, high) = limits.position;
-                let unit = joint.kind.unit();
-                let broken = if q[i] < low {
-                    Some(("position", q[i], low, unit.to_owned()))
-                } else if q[i] > high {
-                    Some(("position", q[i], high, unit.to_owned()))
-                } else if qd[i].abs() > limits.velocity {
-                    Some(("speed", qd[i].abs(), limits.velocity, format!("{unit}/s")))
-                } else if qdd[i].abs() > limits.acceleration {
-                    Some(("acceleration", qdd[i].abs(), limits.acceleration, format!("{unit}/s²")))
-                } else {
-                    None
-                };
-                if let Some((quantity, found, limit, unit)) = broken {
-                    let joint = joint.name.clone();
+                let above =
+                    |quantity, found: f64, limit: f64, per| (found > limit).then_some((quantity, found, limit, per));
+                let broken = (q[i] < low)
+                    .then_some(("position", q[i], low, ""))
+                    .or_else(|| above("position", q[i], high, ""))
+                    .or_else(|| above("speed", qd[i].abs(), limits.velocity, "/s"))
+                    .or_else(|| above("acceleration", qdd[i].abs(), limits.acceleration, "/s²"));
+                if let Some((quantity, found, limit, per)) = broken {
+                    let (joint, unit) = (joint.name.clone(), format!("{}{per}", joint.kind.unit()));
                     return Err(PlanError::Limit { joint, quantity, found, limit, unit, t, phase: layout.phase(k) });
                 }
             }

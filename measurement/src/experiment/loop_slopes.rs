@@ -51,7 +51,7 @@ impl LoopSlopes {
         let d = self.directions;
         let fresh = std::mem::take(&mut self.fresh);
         let (pid, motors) = (&joints.controller, &joints.motors);
-        let forward = joints.transmission.forward();
+        let forward = joints.transmission.forward.as_ref();
         let n = pid.kp.len();
         for i in 0..n {
             let at = i * d..(i + 1) * d;
@@ -83,7 +83,7 @@ impl LoopSlopes {
                 }
                 own.iter_mut().for_each(|own| *own *= slope);
             }
-            own.iter_mut().for_each(|own| *own *= motors.per_ampere()[i]);
+            own.iter_mut().for_each(|own| *own *= motors.per_ampere[i]);
         }
         match forward {
             None => self.tau.copy_from_slice(&self.motor),

@@ -5,7 +5,7 @@ use crate::model::{Drive, MotorCircuit};
 /// The motors of one run, in motor coordinates after the gear.
 #[derive(Clone, Debug)]
 pub(super) struct Motors {
-    per_ampere: Vec<f64>,
+    pub(super) per_ampere: Vec<f64>,
     gear: Vec<f64>,
     circuits: Vec<Option<MotorCircuit>>,
     rate_hz: f64,
@@ -19,11 +19,6 @@ impl Motors {
             circuits: drives.iter().map(|drive| drive.circuit).collect(),
             rate_hz,
         }
-    }
-
-    /// Torque of each motor per ampere, after the gear, N·m/A.
-    pub(super) fn per_ampere(&self) -> &[f64] {
-        &self.per_ampere
     }
 
     /// Holds the currents (A, n) to what the supply can drive at the motors' speeds (after the gear, rad/s, n);

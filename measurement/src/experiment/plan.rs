@@ -81,23 +81,18 @@ impl ExperimentPlan {
     /// [`PlanError::Quantity`] where a number is impossible, [`PlanError::Size`] where one is larger than is
     /// allowed, [`PlanError::PeriodNotWhole`] where a period is no whole number of samples.
     pub fn layout(&self) -> Result<Layout, PlanError> {
-        let quantity = |quantity, found: f64, expected| Err(PlanError::Quantity { quantity, found, expected });
-        let period_s = self.trajectory.period_s();
-        if !(self.rate_hz.is_finite() && self.rate_hz > 0.0) {
-            return quantity("rate_hz", self.rate_hz, "a finite number above zero");
-        }
-        if !(period_s.is_finite() && period_s > 0.0) {
-            return quantity("period_s", period_s, "a finite number above zero");
-        }
-        if !(self.settle_s.is_finite() && self.settle_s >= 0.0) {
-            return quantity("settle_s", self.settle_s, "a finite number not below zero");
-        }
-        if !(self.ramp_s.is_finite() && self.ramp_s > 0.0) {
-            return quantity("ramp_s", self.ramp_s, "a finite number above zero");
-        }
-        if self.periods == 0 {
-            return quantity("periods", 0.0, "at least 1");
-        }
+        let holds = |quantity, found, holds: bool, expected| {
+            if holds { Ok(()) } else { Err(PlanError::Quantity { quantity, found, expected }) }
+        };
+        let positive = |quantity, found: f64| {
+            holds(quantity, found, found.is_finite() && found > 0.0, "a finite number above zero")
+        };
+        let (period_s, settle_s) = (self.trajectory.period_s(), self.settle_s);
+        positive("rate_hz", self.rate_hz)?;
+        positive("period_s", period_s)?;
+        holds("settle_s", settle_s, settle_s.is_finite() && settle_s >= 0.0, "a finite number not below zero")?;
+        positive("ramp_s", self.ramp_s)?;
+        holds("periods", self.periods as f64, self.periods > 0, "at least 1")?;
         self.check_size()?;
         let samples = period_s * self.rate_hz;
         if (samples - samples.round()).abs() > 1e-9 * samples || samples < 1.0 {

@@ -1,30 +1,40 @@
 //! An experiment whose samples are all kept in memory.
 
-use std::ops::ControlFlow;
-
 use super::arm::{Arm, ArmError, Ending, Flow, Sink};
 use super::plan::ExperimentPlan;
 use super::raw_sample::RawSample;
 use super::recording::Recording;
 use crate::observer::{Observer, Progress, Unobserved, Work};
 
-/// A sink that keeps every sample of one experiment in memory.
-#[derive(Clone, Debug, Default)]
-pub struct Recorder {
+/// A sink that keeps every sample of one experiment in memory, and stops the arm where an observer says so.
+#[derive(Clone, Debug)]
+pub struct Recorder<'a> {
     recording: Option<Recording>,
+    observer: &'a dyn Observer,
 }
 
-impl Recorder {
+impl Default for Recorder<'_> {
+    fn default() -> Self {
+        Self::watched_by(&Unobserved)
+    }
+}
+
+impl<'a> Recorder<'a> {
+    /// Reports every sample to this observer.
+    pub const fn watched_by(observer: &'a dyn Observer) -> Self {
+        Self { recording: None, observer }
+    }
+
     /// What was recorded; `None` where no experiment began.
     pub fn into_recording(self) -> Option<Recording> {
         self.recording
     }
 }
 
-impl Sink for Recorder {
+impl Sink for Recorder<'_> {
     fn begin(&mut self, recording: &Recording) {
         let mut recording = recording.clone();
-        let samples = recording.phases.last().map_or(0, |span| span.samples.end);
+        let samples = recording.planned_samples();
         recording.t.reserve(samples);
         recording.q.reserve(samples * recording.dof);
         recording.effort.reserve(samples * recording.dof);
@@ -32,10 +42,11 @@ impl Sink for Recorder {
     }
 
     fn sample(&mut self, sample: &RawSample<'_>) -> Flow {
-        if let Some(recording) = &mut self.recording {
-            recording.push(sample);
-        }
-        Flow::Continue
+        let Some(recording) = &mut self.recording else { return Flow::Continue };
+        recording.push(sample);
+        let (done, total) = (recording.len(), recording.planned_samples());
+        let goes_on = self.observer.observe(Progress { work: Work::Samples, done, total }).is_continue();
+        if goes_on { Flow::Continue } else { Flow::Stop }
     }
 }
 
@@ -57,49 +68,11 @@ pub fn record_watched(
     observer: &dyn Observer,
 ) -> Result<(Recording, Ending), ArmError> {
     plan.check_held()?;
-    let mut recorder = WatchedRecorder::new(plan, observer);
+    let mut recorder = Recorder::watched_by(observer);
     let ending = arm.perform(plan, &mut recorder)?;
     let recording = recorder.into_recording().ok_or_else(|| ArmError::Unavailable {
         arm: "arm".to_owned(),
         reason: "it reports an ending, expected it to begin a recording first".to_owned(),
     })?;
     Ok((recording, ending))
-}
-
-/// A [`Recorder`] that stops the arm where an observer says so.
-#[derive(Debug)]
-pub struct WatchedRecorder<'a> {
-    recorder: Recorder,
-    observer: &'a dyn Observer,
-    done: usize,
-    total: usize,
-}
-
-impl<'a> WatchedRecorder<'a> {
-    /// For the experiment of this plan.
-    pub fn new(plan: &ExperimentPlan, observer: &'a dyn Observer) -> Self {
-        // A plan that has no layout is refused before its first sample.
-        let total = plan.layout().map_or(0, |layout| layout.samples());
-        Self { recorder: Recorder::default(), observer, done: 0, total }
-    }
-
-    /// What was recorded; `None` where no experiment began.
-    pub fn into_recording(self) -> Option<Recording> {
-        self.recorder.into_recording()
-    }
-}
-
-impl Sink for WatchedRecorder<'_> {
-    fn begin(&mut self, recording: &Recording) {
-        self.recorder.begin(recording);
-    }
-
-    fn sample(&mut self, sample: &RawSample<'_>) -> Flow {
-        let flow = self.recorder.sample(sample);
-        self.done += 1;
-        match self.observer.observe(Progress { work: Work::Samples, done: self.done, total: self.total }) {
-            ControlFlow::Continue(()) => flow,
-            ControlFlow::Break(()) => Flow::Stop,
-        }
-    }
 }

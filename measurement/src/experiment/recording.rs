@@ -101,9 +101,6 @@ impl Recording {
             let (rate, period) = (self.rate_hz, self.period_samples);
             return Err(format!("rate_hz is {rate} and period_samples {period}, expected both above zero"));
         }
-        if self.trajectory.dof() != n {
-            return Err(format!("the trajectory moves {} joints, expected {n}", self.trajectory.dof()));
-        }
         let mut begin = 0;
         for span in &self.phases {
             let Range { start, end } = span.samples;
@@ -192,6 +189,17 @@ impl Recording {
         touched
     }
 
+    /// Samples of the whole experiment, as planned.
+    pub(super) fn planned_samples(&self) -> usize {
+        self.phases.last().map_or(0, |span| span.samples.end)
+    }
+
+    /// Sample k as the arm reported it in a phase, and what was commanded then.
+    pub(super) fn sample<'a>(&'a self, k: usize, phase: Phase, command: &'a [f64]) -> RawSample<'a> {
+        let (q, effort, voltage, link_q) = (self.q(k), self.effort(k), self.voltage(k), self.link_q(k));
+        RawSample { index: k, t: self.t[k], phase, q, effort, voltage, link_q, command }
+    }
+
     /// Adds a sample.
     pub fn push(&mut self, sample: &RawSample<'_>) {
         self.t.push(sample.t);
@@ -201,9 +209,14 @@ impl Recording {
         self.link_q.extend_from_slice(sample.link_q);
     }
 
+    /// The samples of a phase, taken or not.
+    pub(super) fn planned(&self, phase: Phase) -> Range<usize> {
+        self.phases.iter().find(|span| span.phase == phase).map_or(0..0, |span| span.samples.clone())
+    }
+
     /// The samples of a phase that were really taken.
     pub fn samples(&self, phase: Phase) -> Range<usize> {
-        let planned = self.phases.iter().find(|span| span.phase == phase).map_or(0..0, |span| span.samples.clone());
+        let planned = self.planned(phase);
         planned.start.min(self.len())..planned.end.min(self.len())
     }
 
@@ -225,10 +238,7 @@ impl Recording {
 
     /// The plan that it was made by, as far as its phases tell.
     pub fn plan(&self) -> ExperimentPlan {
-        let length = |phase: Phase| {
-            let span = self.phases.iter().find(|span| span.phase == phase);
-            span.map_or(0, |span| span.samples.len())
-        };
+        let length = |phase: Phase| self.planned(phase).len();
         let period = self.period_samples.max(1);
         ExperimentPlan {
             trajectory: self.trajectory.clone(),

@@ -6,7 +6,6 @@ use super::layout::Layout;
 use super::phase::Phase;
 use super::plan::ExperimentPlan;
 use super::plan_mismatch::PlanMismatchError;
-use super::raw_sample::RawSample;
 use super::recording::Recording;
 use super::trip::Rest;
 
@@ -49,19 +48,8 @@ impl Arm for Replay {
         for k in 0..recording.len() {
             let phase = recording.phase(k).unwrap_or(Phase::RampOut);
             commanded.evaluate(k as f64 / recording.rate_hz, &mut command, &mut qd, &mut qdd);
-            let t = recording.t[k];
-            let sample = RawSample {
-                index: k,
-                t,
-                phase,
-                q: recording.q(k),
-                effort: recording.effort(k),
-                voltage: recording.voltage(k),
-                link_q: recording.link_q(k),
-                command: &command,
-            };
-            if sink.sample(&sample).ends() {
-                return Ok(Ending::Stopped { t, phase, rest: Rest::Simulated });
+            if sink.sample(&recording.sample(k, phase, &command)).ends() {
+                return Ok(Ending::Stopped { t: recording.t[k], phase, rest: Rest::Simulated });
             }
         }
         Ok(Ending::Completed)

@@ -225,9 +225,7 @@ impl Sensors {
             };
         }
     }
-}
 
-impl Sensors {
     /// Whether voltages are reported.
     pub(super) fn has_voltage(&self) -> bool {
         !self.volts.is_empty()

@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use super::arm::{Arm, ArmError, Ending, Sink};
 use super::command_table::CommandTable;
-use super::cycle::CycleSpec;
-use super::cycle::{Cycle, Next, TrueState};
+use super::cycle::{Cycle, Next, Timing, TrueState};
 use super::effects::ActualArm;
 use super::joint_loop::JointLoop;
 use super::motor_load::MotorLoad;
@@ -13,8 +12,7 @@ use super::motors::Motors;
 use super::plan::ExperimentPlan;
 use super::plant::Plant;
 use super::recording::Recording;
-use super::sensing::Sensing;
-use super::sensing::Sensors;
+use super::sensing::{Sensing, Sensors};
 use super::servo_error::ServoError;
 use super::tracking::Tracking;
 use crate::model::{Drive, Robot, StandardParameters};
@@ -189,7 +187,7 @@ impl<P: Plant> Servo<P> {
         }
         let per_sample = ratio.round() as usize;
         let table = Arc::new(CommandTable::new(plan, &layout, per_sample));
-        let layout = Arc::new(layout);
+        let timing = Timing { layout: Arc::new(layout), table, rate_hz: plan.rate_hz, per_sample };
         let actual = self.actual.as_ref();
         let actual_sensors = actual.map(|actual| actual.sensors(plan.rate_hz));
         let motors = Motors::new(&self.motors, tuning.rate_hz);
@@ -200,19 +198,10 @@ impl<P: Plant> Servo<P> {
                 Some(actual) => sensors.with_effects(actual),
             };
             let joints = JointLoop::of(&self.robot, &self.load, motors.clone(), sensors);
-            Cycle::new(CycleSpec {
-                robot: &self.robot,
-                layout: Arc::clone(&layout),
-                table: Arc::clone(&table),
-                rate_hz: plan.rate_hz,
-                per_sample,
-                joints: match actual {
-                    None => joints,
-                    Some(actual) => joints.with_effects(actual, table.row(0)),
-                },
-                clock: actual.and_then(|actual| actual.clock(run)),
-                slips: actual.and_then(|actual| actual.clock_slips(plan.rate_hz, run)),
-            })
+            let Some(actual) = actual else { return Cycle::new(&self.robot, timing.clone(), joints, None, None) };
+            let joints = joints.with_effects(actual, timing.table.row(0));
+            let (clock, slips) = (actual.clock(run), actual.clock_slips(plan.rate_hz, run));
+            Cycle::new(&self.robot, timing.clone(), joints, clock, slips)
         };
         Ok(runs.iter().map(cycle).collect())
     }
@@ -293,7 +282,7 @@ mod tests {
         for robot in [hinges::single(), hinges::coupled()] {
             let n = robot.dof();
             let mut servo = servo(&robot).with_sensing(Sensing::ideal());
-            let robot = robot.with_effort(EffortInterface::Torque);
+            let robot = robot.changed(|spec| spec.effort = EffortInterface::Torque).unwrap();
             let mut servo_torque = Servo { robot: robot.clone(), ..servo.clone() };
             let (mut q, mut tau) = (Vec::new(), Vec::new());
             let mut recording = record(&mut servo_torque, &plan(n)).unwrap().0;
@@ -357,10 +346,13 @@ mod tests {
     #[test]
     fn rates_that_do_not_divide_are_refused_and_faster_servos_sample_every_so_often() {
         let robot = hinges::single();
-        let tuning = |rate_hz| ServoTuning { rate_hz, ..ServoTuning::default() };
-        let slow = servo(&robot.clone().with_servo(tuning(1500.0)));
+        let tuned = |rate_hz| {
+            let tuning = ServoTuning { rate_hz, ..ServoTuning::default() };
+            servo(&robot.clone().changed(|spec| spec.servo = Some(tuning)).unwrap())
+        };
+        let slow = tuned(1500.0);
         assert!(matches!(slow.cycle(&plan(1)), Err(ArmError::Rate { .. })));
-        let mut fast = servo(&robot.with_servo(tuning(5000.0))).with_sensing(Sensing::ideal());
+        let mut fast = tuned(5000.0).with_sensing(Sensing::ideal());
         let (recording, ending) = record(&mut fast, &plan(1)).unwrap();
         assert!(ending.is_complete());
         assert_eq!(recording.len(), plan(1).layout().unwrap().samples());

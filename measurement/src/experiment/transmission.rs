@@ -13,90 +13,60 @@ use crate::model::Robot;
 /// Maps between motor and joint quantities of one robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transmission {
-    per_ampere: Vec<f64>,
-    coupling: Option<Coupling>,
+    /// Torque of each motor per ampere, after the gear: `N Kt`, N·m/A (N/A).
+    pub per_ampere: Vec<f64>,
+    /// C, where motors are coupled.
+    pub(super) forward: Option<DMatrix<f64>>,
+    inverse: Option<DMatrix<f64>>,
 }
 
-#[derive(Clone, Debug, PartialEq)]
-struct Coupling {
-    forward: DMatrix<f64>,
-    inverse: DMatrix<f64>,
-}
-
-fn multiply(matrix: &DMatrix<f64>, x: &[f64], out: &mut [f64]) {
-    for i in 0..out.len() {
-        out[i] = (0..x.len()).map(|j| matrix[(i, j)] * x[j]).sum();
-    }
-}
-
-fn multiply_transposed(matrix: &DMatrix<f64>, x: &[f64], out: &mut [f64]) {
-    for i in 0..out.len() {
-        out[i] = (0..x.len()).map(|j| matrix[(j, i)] * x[j]).sum();
+/// Sums of `x` by the entries of a matrix, in either order; `x` itself without one.
+fn combine(matrix: Option<&DMatrix<f64>>, entry: impl Fn(usize, usize) -> (usize, usize), x: &[f64], out: &mut [f64]) {
+    let Some(matrix) = matrix else { return out.copy_from_slice(x) };
+    for (i, out) in out.iter_mut().enumerate() {
+        *out = x.iter().enumerate().map(|(j, x)| matrix[entry(i, j)] * x).sum();
     }
 }
 
 impl Transmission {
     /// The transmission that a robot's file describes.
     pub fn new(robot: &Robot) -> Self {
+        let inverse =
+            |c: &DMatrix<f64>| c.clone().try_inverse().expect("a robot's coupling is invertible by construction");
         Self {
             per_ampere: robot.joints().iter().map(|joint| joint.drive.torque_per_ampere()).collect(),
-            coupling: robot.coupling().map(|c| Coupling {
-                forward: c.clone(),
-                inverse: c.clone().try_inverse().expect("a robot's coupling is invertible by construction"),
-            }),
+            forward: robot.coupling().cloned(),
+            inverse: robot.coupling().map(inverse),
         }
-    }
-
-    /// Torque of each motor per ampere, after the gear: `N Kt`, N·m/A (N/A).
-    pub fn per_ampere(&self) -> &[f64] {
-        &self.per_ampere
-    }
-
-    /// C, where motors are coupled.
-    pub(super) fn forward(&self) -> Option<&DMatrix<f64>> {
-        self.coupling.as_ref().map(|coupling| &coupling.forward)
     }
 
     /// Motor coordinates from joint coordinates: `C q`; velocities likewise. Both of length n.
     pub fn motor_motion(&self, joints: &[f64], motors: &mut [f64]) {
-        match &self.coupling {
-            None => motors.copy_from_slice(joints),
-            Some(coupling) => multiply(&coupling.forward, joints, motors),
-        }
+        combine(self.forward.as_ref(), |i, j| (i, j), joints, motors);
     }
 
     /// Joint coordinates from motor coordinates: `C⁻¹ q_motor`. Both of length n.
     pub fn joint_motion(&self, motors: &[f64], joints: &mut [f64]) {
-        match &self.coupling {
-            None => joints.copy_from_slice(motors),
-            Some(coupling) => multiply(&coupling.inverse, motors, joints),
-        }
+        combine(self.inverse.as_ref(), |i, j| (i, j), motors, joints);
     }
 
     /// Joint torques from motor torques: `Cᵀ τ_motor`, N·m (N). Both of length n.
     pub fn joint_torque(&self, motors: &[f64], joints: &mut [f64]) {
-        match &self.coupling {
-            None => joints.copy_from_slice(motors),
-            Some(coupling) => multiply_transposed(&coupling.forward, motors, joints),
-        }
+        combine(self.forward.as_ref(), |i, j| (j, i), motors, joints);
     }
 
     /// Motor torques from joint torques: `C⁻ᵀ τ`, N·m (N). Both of length n.
     pub fn motor_torque(&self, joints: &[f64], motors: &mut [f64]) {
-        match &self.coupling {
-            None => motors.copy_from_slice(joints),
-            Some(coupling) => multiply_transposed(&coupling.inverse, joints, motors),
-        }
+        combine(self.inverse.as_ref(), |i, j| (j, i), joints, motors);
     }
 
     /// Inertia that each motor sees while the other motors stand still: the diagonal of `C⁻ᵀ H C⁻¹`, kg·m².
     pub fn motor_inertia(&self, mass_matrix: &DMatrix<f64>) -> Vec<f64> {
-        match &self.coupling {
-            None => mass_matrix.diagonal().iter().copied().collect(),
-            Some(coupling) => {
-                (coupling.inverse.transpose() * mass_matrix * &coupling.inverse).diagonal().iter().copied().collect()
-            }
-        }
+        let seen = match &self.inverse {
+            None => mass_matrix.diagonal(),
+            Some(inverse) => (inverse.transpose() * mass_matrix * inverse).diagonal(),
+        };
+        seen.iter().copied().collect()
     }
 }
 

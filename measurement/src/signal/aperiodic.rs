@@ -17,8 +17,7 @@ use std::ops::Range;
 use super::butterworth::Butterworth;
 use super::cutoff::find_cutoff;
 use super::differences::differences;
-use super::error::SignalError;
-use super::error::check_finite;
+use super::error::{SignalError, check_finite, refused};
 use super::periodic::{column, effort_units, put_column, used_blocks};
 use super::processing::{Derivatives, Processing, TorqueFilter};
 use super::samples::Samples;
@@ -161,11 +160,7 @@ pub fn process_aperiodic(
     let cutoff_hz = processing.cutoff_hz.unwrap_or_else(|| record.find_cutoff());
     let filter = Butterworth::new(processing.filter_order, cutoff_hz, record.rate_hz)?;
     if !(rate_hz.is_finite() && rate_hz > 0.0) {
-        return Err(SignalError::Setting {
-            setting: "rate of the equations",
-            found: format!("{rate_hz} Hz"),
-            expected: "a finite number above zero",
-        });
+        return refused("rate of the equations", format!("{rate_hz} Hz"), "a finite number above zero");
     }
     let spans = record.spans(len);
     let longest = spans.iter().map(|(_, count)| *count).max().unwrap_or(len);
@@ -217,23 +212,12 @@ pub fn process_aperiodic(
     Ok(Samples {
         used: of(true),
         slow: of(false),
-        states,
-        link_q: None,
-        tau,
-        units: effort_units(robot),
         block,
-        rate_hz: record.rate_hz,
-        period_s: None,
-        periods: 1,
-        torque_covariance: None,
-        position_noise: None,
-        noise: None,
         derivatives: Derivatives::Differences,
         position_band_hz: vec![cutoff_hz; n],
-        position_floor: Vec::new(),
         torque_band_hz: same.then_some(cutoff_hz),
         torque_filter_order: processing.filter_order,
-        provenance: None,
+        ..Samples::exact(states, tau, effort_units(robot), record.rate_hz)
     })
 }
 

@@ -11,7 +11,7 @@
 //!
 //! Reference: A. V. Oppenheim, R. W. Schafer, *Discrete-Time Signal Processing*, 3rd ed., 2010, sec. 7.2.
 
-use super::error::SignalError;
+use super::error::{SignalError, refused};
 
 /// `y = b0 x + b1 x₋₁ + b2 x₋₂ − a1 y₋₁ − a2 y₋₂`
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +35,7 @@ struct Section {
 pub struct Butterworth {
     sections: Vec<Section>,
     order: usize,
-    cutoff_hz: f64,
+    pub(super) cutoff_hz: f64,
     rate_hz: f64,
     radius: f64,
 }
@@ -47,11 +47,7 @@ impl Butterworth {
     /// [`SignalError::Cutoff`] unless `0 < cutoff_hz < rate_hz / 2`; [`SignalError::Setting`] for another order.
     pub fn new(order: usize, cutoff_hz: f64, rate_hz: f64) -> Result<Self, SignalError> {
         if !(1..=12).contains(&order) {
-            return Err(SignalError::Setting {
-                setting: "order of the low pass",
-                found: order.to_string(),
-                expected: "1 to 12",
-            });
+            return refused("order of the low pass", order, "1 to 12");
         }
         if !(cutoff_hz > 0.0 && cutoff_hz < 0.5 * rate_hz) {
             return Err(SignalError::Cutoff { found: cutoff_hz, nyquist: 0.5 * rate_hz });
@@ -75,16 +71,6 @@ impl Butterworth {
             radius = radius.max(a.abs());
         }
         Ok(Self { sections, order, cutoff_hz, rate_hz, radius })
-    }
-
-    /// Order of one pass.
-    pub fn order(&self) -> usize {
-        self.order
-    }
-
-    /// Frequency at which one pass has lost 3 dB, Hz.
-    pub fn cutoff_hz(&self) -> f64 {
-        self.cutoff_hz
     }
 
     /// `|H(f)|²` at `f` Hz: the power gain of one pass, and the amplitude gain of both.

@@ -11,8 +11,7 @@
 //! The cut-off is at least 10 Hz, since below it little noise is won. No record shows more than a quarter of its rate: the rule takes all
 //! above it for noise. A Hann window keeps the ends of the record out of the spectrum.
 
-use super::fourier_transform::FourierTransform;
-use super::fourier_transform::smooth_length;
+use super::fourier_transform::{FourierTransform, smooth_length};
 use super::harmonics::HarmonicSeries;
 use super::periodic::column;
 

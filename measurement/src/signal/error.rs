@@ -50,6 +50,15 @@ pub enum SignalError {
     Joints { found: usize, expected: usize },
 }
 
+/// What is found of a setting is outside of what it may be.
+pub(super) fn refused<T>(
+    setting: &'static str,
+    found: impl ToString,
+    expected: &'static str,
+) -> Result<T, SignalError> {
+    Err(SignalError::Setting { setting, found: found.to_string(), expected })
+}
+
 /// Checks that every value of a row-major series is a finite number.
 pub(super) fn check_finite(quantity: &'static str, values: &[f64], dof: usize) -> Result<(), SignalError> {
     match values.iter().position(|value| !value.is_finite()) {

@@ -68,11 +68,6 @@ impl HarmonicSeries {
         self.lines.len().saturating_sub(1)
     }
 
-    /// Amplitude of harmonic `h`, in the unit of the signal; zero beyond the highest.
-    pub fn amplitude(&self, h: usize) -> f64 {
-        self.lines.get(h).map_or(0.0, |line| line.norm())
-    }
-
     /// Returns this series without what is above harmonic `h`.
     #[must_use]
     pub fn up_to(mut self, h: usize) -> Self {
@@ -140,17 +135,6 @@ impl HarmonicSeries {
         (0..self.lines.len()).map(mean).collect()
     }
 
-    /// Value, first and second derivative at time `t` (s).
-    pub fn evaluate(&self, t: f64) -> [f64; 3] {
-        let w = std::f64::consts::TAU / self.period_s;
-        let mut sum = [self.lines.first().map_or(0.0, |line| line.re), 0.0, 0.0];
-        for (h, line) in self.lines.iter().enumerate().skip(1) {
-            let (s, c) = libm::sincos(w * h as f64 * t);
-            accumulate(&mut sum, line, w * h as f64, c, s);
-        }
-        sum
-    }
-
     /// Value, first and second derivative at the N uniform instants `k T / N` of a transform, k = 0, 1, ….
     ///
     /// # Panics
@@ -182,15 +166,6 @@ impl HarmonicSeries {
     }
 }
 
-#[inline]
-fn accumulate(sum: &mut [f64; 3], line: &Complex<f64>, w: f64, c: f64, s: f64) {
-    let (a, b) = (line.re, -line.im);
-    let value = a * c + b * s;
-    sum[0] += value;
-    sum[1] += w * (b * c - a * s);
-    sum[2] -= w * w * value;
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -215,10 +190,9 @@ mod tests {
         for k in 0..96 {
             let t = period * k as f64 / 96.0;
             let sampled = [q[k], qd[k], qdd[k]];
-            let (expected, at) = (smooth(t, w), series.evaluate(t));
+            let expected = smooth(t, w);
             for (order, bound) in [1e-14, 1e-12, 1e-10].into_iter().enumerate() {
                 assert!((sampled[order] - expected[order]).abs() < bound, "derivative {order} at {t}");
-                assert!((at[order] - expected[order]).abs() < bound);
             }
         }
     }

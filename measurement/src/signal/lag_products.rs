@@ -9,8 +9,7 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use super::fourier_transform::FourierTransform;
-use super::fourier_transform::smooth_length;
+use super::fourier_transform::{FourierTransform, smooth_length};
 use crate::linalg::product::transposed_product;
 
 /// Lags up to which sums are faster than transforms.

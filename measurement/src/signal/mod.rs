@@ -56,4 +56,4 @@ pub use recorded::process;
 pub use recurrence::{Recurrence, recurrence};
 pub use resampling::{Interpolation, resample};
 pub use samples::Samples;
-pub use torque::{torque_map, torque_per_current};
+pub use torque::torque_map;

@@ -8,8 +8,7 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use super::fourier_transform::FourierTransform;
-use super::fourier_transform::smooth_length;
+use super::fourier_transform::{FourierTransform, smooth_length};
 
 /// Lag covariances as spectra, for series of one length.
 pub(super) struct NoiseSpectrum {

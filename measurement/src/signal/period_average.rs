@@ -11,8 +11,7 @@
 
 use nalgebra::DMatrix;
 
-use super::error::SignalError;
-use super::error::check_finite;
+use super::error::{SignalError, check_finite, refused};
 
 /// Whole periods of a record, back to back: `q` and `effort` are (P·N) × n, row-major.
 #[derive(Clone, Copy, Debug)]
@@ -42,11 +41,7 @@ impl PeriodicRecord<'_> {
     pub fn check(&self) -> Result<(), SignalError> {
         let period_s = self.period_samples as f64 / self.rate_hz;
         if !(self.rate_hz.is_finite() && self.rate_hz > 0.0) {
-            return Err(SignalError::Setting {
-                setting: "sampling rate",
-                found: format!("{} Hz", self.rate_hz),
-                expected: "a finite number above zero",
-            });
+            return refused("sampling rate", format!("{} Hz", self.rate_hz), "a finite number above zero");
         }
         if self.dof == 0 || self.period_samples < 8 {
             let found = self.period_samples as f64;

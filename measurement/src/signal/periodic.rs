@@ -172,7 +172,7 @@ impl LowPass {
         match self {
             Self::None => None,
             Self::Harmonics(last) => Some(*last as f64 * spacing_hz),
-            Self::Butterworth(filter) => Some(filter.cutoff_hz()),
+            Self::Butterworth(filter) => Some(filter.cutoff_hz),
         }
     }
 
@@ -218,9 +218,7 @@ fn fourier_states(
         let last = last.max(commanded).min(series.highest());
         bands.push(last as f64 / average.period_s);
         let (q, qd, qdd) = series.up_to(last).samples(transform);
-        put_column(&mut states.q, n, i, &q);
-        put_column(&mut states.qd, n, i, &qd);
-        put_column(&mut states.qdd, n, i, &qdd);
+        put_motion(&mut states, i, [&q, &qd, &qdd]);
     }
     (states, bands, floors)
 }
@@ -241,9 +239,7 @@ fn difference_states(average: &PeriodAverage, filter: &Butterworth) -> States {
     for i in 0..n {
         let q = filter.zero_phase_periodic(&column(&average.q, n, i));
         let (qd, qdd) = differences_periodic(&q, 1.0 / average.rate_hz);
-        put_column(&mut states.q, n, i, &q);
-        put_column(&mut states.qd, n, i, &qd);
-        put_column(&mut states.qdd, n, i, &qdd);
+        put_motion(&mut states, i, [&q, &qd, &qdd]);
     }
     states
 }
@@ -251,6 +247,13 @@ fn difference_states(average: &PeriodAverage, filter: &Butterworth) -> States {
 /// Column `i` of a row-major table n wide.
 pub(super) fn column(rows: &[f64], n: usize, i: usize) -> Vec<f64> {
     rows.iter().skip(i).step_by(n).copied().collect()
+}
+
+/// Writes the motion of joint `i`.
+fn put_motion(states: &mut States, i: usize, motion: [&[f64]; 3]) {
+    for (rows, values) in [&mut states.q, &mut states.qd, &mut states.qdd].into_iter().zip(motion) {
+        put_column(rows, states.dof, i, values);
+    }
 }
 
 /// Writes column `i` of a row-major table n wide.

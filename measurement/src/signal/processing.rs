@@ -14,7 +14,7 @@
 //! Filtering torque as well makes it worse there, where the Coulomb columns were not filtered alike. 125 to 500 equations a period
 //! are equally good; at 1000 the noise of the acceleration shows, and coverage falls to 84 %.
 
-use super::error::SignalError;
+use super::error::{SignalError, refused};
 use super::harmonics::Bandwidth;
 
 /// How velocity and acceleration are found.
@@ -115,30 +115,18 @@ impl Processing {
             return Err(SignalError::TooFewSamples { found: self.samples_per_period, least: 8 });
         }
         if !(0.0..0.5).contains(&self.reversal_fraction) {
-            return Err(SignalError::Setting {
-                setting: "fraction of the top speed below which equations are left out",
-                found: self.reversal_fraction.to_string(),
-                expected: "0 to 0.5",
-            });
+            let setting = "fraction of the top speed below which equations are left out";
+            return refused(setting, self.reversal_fraction, "0 to 0.5");
         }
         if !(0.0..=10.0).contains(&self.reversal_cycles) {
-            return Err(SignalError::Setting {
-                setting: "periods of the cut-off that equations are from a reversal",
-                found: self.reversal_cycles.to_string(),
-                expected: "0 to 10",
-            });
+            let setting = "periods of the cut-off that equations are from a reversal";
+            return refused(setting, self.reversal_cycles, "0 to 10");
         }
         match self.bandwidth() {
-            Bandwidth::Hertz(hz) if !(hz.is_finite() && hz > 0.0) => Err(SignalError::Setting {
-                setting: "bandwidth of the positions",
-                found: format!("{hz} Hz"),
-                expected: "a finite frequency above zero",
-            }),
-            Bandwidth::Harmonics(0) => Err(SignalError::Setting {
-                setting: "bandwidth of the positions",
-                found: "0 harmonics".to_owned(),
-                expected: "at least 1",
-            }),
+            Bandwidth::Hertz(hz) if !(hz.is_finite() && hz > 0.0) => {
+                refused("bandwidth of the positions", format!("{hz} Hz"), "a finite frequency above zero")
+            }
+            Bandwidth::Harmonics(0) => refused("bandwidth of the positions", "0 harmonics", "at least 1"),
             _ => Ok(()),
         }
     }

@@ -10,11 +10,6 @@ use nalgebra::DMatrix;
 
 use crate::model::{EffortInterface, Robot};
 
-/// The matrix that turns motor currents (n, A) into joint torques (n, N·m; N for a prismatic joint).
-pub fn torque_per_current(robot: &Robot) -> DMatrix<f64> {
-    torque_map(robot, EffortInterface::Current)
-}
-
 /// The matrix that turns efforts as the arm reports them (n) into joint torques (n, N·m; N for a prismatic joint): that
 /// of the drives for motor currents in A, the identity for torques.
 pub fn torque_map(robot: &Robot, effort: EffortInterface) -> DMatrix<f64> {
@@ -59,7 +54,7 @@ mod tests {
         let qd = DVector::from_vec(vec![1.0, 0.2, -0.4, 0.9]);
         let motor_torque = DVector::from_fn(4, |i, _| robot.joints()[i].drive.torque_per_ampere() * current[i]);
         let at_motors = motor_torque.dot(&(coupling * &qd));
-        let torque = map_rows(current.as_slice(), &torque_per_current(&robot));
+        let torque = map_rows(current.as_slice(), &torque_map(&robot, EffortInterface::Current));
         assert!((DVector::from_vec(torque).dot(&qd) - at_motors).abs() < 1e-12);
         assert_eq!(torque_map(&robot, EffortInterface::Torque), DMatrix::identity(4, 4));
     }

@@ -38,7 +38,7 @@ pub(super) fn leave_out(
     let (all, parameters) = (columns.parameters(robot), inertial.parameters(robot));
     let places: Vec<usize> = parameters.iter().filter_map(|id| all.iter().position(|other| other == id)).collect();
     let mut rng = Seed::new(0).stream("nearly dependent columns", 0);
-    let states = geometry.random_states(geometry.state_count(parameters.len()), &mut rng);
+    let states = geometry.random_states(parameters.len(), &mut rng);
     let w = JointTorqueRegressor::new(robot, inertial)?.stack(&states);
     let w = scaled_stack(geometry, &parameters, w)?;
     // A triangular factor has the dependencies of its matrix, in a third of the rows.
@@ -60,5 +60,5 @@ pub(super) fn leave_out(
     let k = seen.coefficients.map(|x| if x.abs() < NEARLY_DEPENDENT { 0.0 } else { x });
     let of_links = BaseReduction::from_echelon(&parameters, seen.kept, k, structural.method);
     let of_links = of_links.with_units(&geometry.units(&parameters));
-    Ok(structural.with_rows(&places, &of_links).without(finding))
+    Ok(BaseReduction { nearly_dependent: Some(finding), ..structural.with_rows(&places, &of_links) })
 }

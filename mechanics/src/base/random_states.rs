@@ -19,17 +19,13 @@ const ROWS_PER_COLUMN: usize = 3;
 pub(super) const LEAST_STATES: usize = 10;
 
 impl Geometry {
-    /// How many random states a regressor of `columns` columns is stacked from.
-    pub(super) fn state_count(&self, columns: usize) -> usize {
-        (ROWS_PER_COLUMN * columns).div_ceil(self.dof()).max(LEAST_STATES)
-    }
-
-    /// `count` independent states: angles within ±π, rates within ±f, accelerations within ±f², with `f = √(g / length)`
-    /// the frequency at which the arm's own motion weighs as much as gravity; limits do not matter to geometry.
-    pub(super) fn random_states(&self, count: usize, rng: &mut Stream) -> States {
+    /// Independent states that a regressor of `columns` columns is stacked from: angles within ±π, rates within ±f,
+    /// accelerations within ±f², with `f = √(g / length)` the frequency at which the arm's own motion weighs as much as
+    /// gravity; limits do not matter to geometry.
+    pub(super) fn random_states(&self, columns: usize, rng: &mut Stream) -> States {
         let f = self.frequency;
         let mut states = States::new(self.dof());
-        for _ in 0..count {
+        for _ in 0..(ROWS_PER_COLUMN * columns).div_ceil(self.dof()).max(LEAST_STATES) {
             let mut draw = |bound: f64| -> Vec<f64> {
                 (0..self.dof()).map(|i| self.coordinate_unit(i) * rng.random_range(-bound..bound)).collect()
             };

@@ -60,7 +60,7 @@ pub fn structural_base(
         return Ok(structural::reduce(&geometry, &parameters, BaseMotion::Fixed));
     }
     columns.check_motion()?;
-    let states = geometry.random_states(geometry.state_count(parameters.len()), &mut seed.stream("base reduction", 0));
+    let states = geometry.random_states(parameters.len(), &mut seed.stream("base reduction", 0));
     reduce_on(robot, columns, method, &states)
 }
 
@@ -86,7 +86,7 @@ pub fn reduce_with_base(
     }
     let regressor = JointTorqueRegressor::new(robot, columns)?;
     let mut rng = seed.stream("base reduction with a moving base", 0);
-    let states = geometry.random_states(geometry.state_count(parameters.len()), &mut rng);
+    let states = geometry.random_states(parameters.len(), &mut rng);
     let (n, p) = (regressor.rows(), regressor.cols());
     let mut rows = vec![0.0; states.len() * n * p];
     for (k, out) in rows.chunks_exact_mut(n * p).enumerate() {
@@ -94,7 +94,7 @@ pub fn reduce_with_base(
         regressor.with_base_motion(&base, states.q(k), states.qd(k), states.qdd(k), out);
     }
     let w = DMatrix::from_row_slice(states.len() * n, p, &rows);
-    Ok(reduce_stack(&geometry, &parameters, w, method)?.with_base_motion(motion))
+    Ok(BaseReduction { base_motion: motion, ..reduce_stack(&geometry, &parameters, w, method)? })
 }
 
 /// The base parameters that a given motion reveals: a category can only fall against [`reduce`], never rise.

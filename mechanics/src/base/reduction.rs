@@ -175,12 +175,6 @@ impl BaseReduction {
         }
     }
 
-    /// Returns this reduction for another motion of the base.
-    pub(super) const fn with_base_motion(mut self, base_motion: BaseMotion) -> Self {
-        self.base_motion = base_motion;
-        self
-    }
-
     /// Returns this reduction with the rows and columns of some parameters, which stand at `places`, replaced by those of a reduction of them
     /// alone: for parameters that no other combines with.
     pub(super) fn with_rows(self, places: &[usize], part: &Self) -> Self {
@@ -192,24 +186,15 @@ impl BaseReduction {
         let mut k = DMatrix::zeros(kept.len(), self.parameters.len());
         let mut parts = 0..part.rank();
         for (row, &(_, own)) in rows.iter().enumerate() {
-            match (own, parts.clone().next()) {
-                (Some(own), _) => k.row_mut(row).copy_from(&self.k.row(own)),
-                (None, Some(from)) => {
-                    parts.start += 1;
-                    for (j, &place) in places.iter().enumerate() {
-                        k[(row, place)] = part.k[(from, j)];
-                    }
+            if let Some(own) = own {
+                k.row_mut(row).copy_from(&self.k.row(own));
+            } else if let Some(from) = parts.next() {
+                for (j, &place) in places.iter().enumerate() {
+                    k[(row, place)] = part.k[(from, j)];
                 }
-                (None, None) => {}
             }
         }
         Self { categories: categories(&kept, &k), kept, k, ..self }
-    }
-
-    /// Returns this reduction with a record of what was left out.
-    pub(super) fn without(mut self, left_out: NearlyDependent) -> Self {
-        self.nearly_dependent = Some(left_out);
-        self
     }
 
     /// Multiplies each parameter's unit: `units[j]` old units of parameter j make a new one, so that

@@ -43,8 +43,9 @@ pub struct BaseModel {
     pub(super) gravity: Vec<Id>,
     /// M(q) by rows, n × n.
     pub(super) mass: Vec<Id>,
-    /// Joints whose constant offset counts as weight.
-    pub(super) offset_in_weight: Vec<usize>,
+    /// Joints, from zero, whose constant offset the base does not tell from the weight of the links, so that
+    /// [`gravity`](Self::gravity) has it: a prismatic joint whose axis keeps its angle to gravity, with a rotor.
+    pub offset_in_weight: Vec<usize>,
 }
 
 impl BaseModel {
@@ -104,24 +105,12 @@ impl BaseModel {
         self.dof
     }
 
-    /// Joints, from zero, whose constant offset the base does not tell from the weight of the links, so that
-    /// [`gravity`](Self::gravity) has it: a prismatic joint whose axis keeps its angle to gravity, with a rotor.
-    pub fn offset_in_weight(&self) -> &[usize] {
-        &self.offset_in_weight
-    }
-
     /// Sums, differences, products, sines and cosines of the inverse dynamics.
     pub fn operations(&self) -> usize {
+        use Expression::{Acceleration, Negative, Number, Position, Velocity};
         let needed = self.expressions.needed_for(self.torque.iter().copied());
         let costs = |expression: &Expression| {
-            !matches!(
-                expression,
-                Expression::Number(_)
-                    | Expression::Position(_)
-                    | Expression::Velocity(_)
-                    | Expression::Acceleration(_)
-                    | Expression::Negative(_)
-            )
+            !matches!(expression, Number(_) | Position(_) | Velocity(_) | Acceleration(_) | Negative(_))
         };
         self.expressions.list().iter().zip(needed).filter(|(expression, needed)| *needed && costs(expression)).count()
     }

@@ -229,9 +229,7 @@ fn analytic_polar_arm_with_a_prismatic_joint() {
         base: Placement::identity(),
         joints: vec![joint(0, JointKind::Revolute, turn), joint(1, JointKind::Prismatic, slide)],
         coupling: None,
-        shapes: Vec::new(),
-        obstacles: Vec::new(),
-        may_touch: Vec::new(),
+        ..RobotSpec::default()
     })
     .unwrap();
     let m = 1.7;

@@ -8,11 +8,12 @@
 //!
 //! Every sum here runs in an order fixed by the size of the input alone. nalgebra's product of two dynamic matrices
 //! picks its kernel by the CPU and is therefore not used where the bits of a result are stored: [`product()`],
-//! [`transpose_product`], [`Gram`] and [`RowFactor`] take its place.
+//! [`transpose_product`], [`Gram`], [`ColumnProducts`] and [`RowFactor`] take its place.
 //!
 //! Reference: G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed., 2013, ch. 5.
 
 mod block_whitening;
+pub(crate) mod column_products;
 mod condition;
 mod definite;
 mod dot;
@@ -27,6 +28,7 @@ mod tolerance;
 mod triangular;
 
 pub use block_whitening::BlockWhitening;
+pub use column_products::ColumnProducts;
 pub use condition::{condition, condition_scaled, normalised_columns, singular_values};
 pub use definite::definite_inverse;
 pub use dot::dot;

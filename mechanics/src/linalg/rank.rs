@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::condition::normalised_columns;
+use super::left_to_right::back_substitute;
 use super::reflection::{Reflection, norm};
 use super::tolerance::RankTolerance;
 
@@ -24,11 +25,10 @@ pub struct RankRevealingQr {
     /// Length of the residual of each chosen column, orthogonal to those before, when it was chosen, largest first; the
     /// first is 1.
     pub rests: Vec<f64>,
-    /// Indices of A's columns in the order they were chosen; those of zero columns are missing.
-    pub order: Vec<usize>,
     tolerance: RankTolerance,
-    /// Columns of the triangular factor, chosen ones first, each with its index in A.
-    factor: Vec<(usize, Vec<f64>)>,
+    /// Indices in A of the columns of the triangular factor, chosen ones first; those of zero columns are missing.
+    order: Vec<usize>,
+    factor: Vec<Vec<f64>>,
 }
 
 impl RankRevealingQr {
@@ -40,7 +40,7 @@ impl RankRevealingQr {
             .filter(|&j| lengths[j] > tolerance.zero * longest)
             .map(|j| (j, scaled.column(j).iter().copied().collect()))
             .collect();
-        let (mut rests, mut order) = (Vec::new(), Vec::new());
+        let mut rests = Vec::new();
         for k in 0..a.nrows().min(rest.len()) {
             // The first of equals, so that the order depends on nothing but the numbers.
             let (mut best, mut length) = (k, -1.0);
@@ -60,9 +60,9 @@ impl RankRevealingQr {
                 reflection.apply(column);
             }
             rests.push(length);
-            order.push(head[k].0);
         }
-        Self { rests, order, tolerance, factor: rest }
+        let (order, factor) = rest.into_iter().unzip();
+        Self { rests, tolerance, order, factor }
     }
 
     /// The number of columns whose residual was longer than the tolerance.
@@ -70,15 +70,6 @@ impl RankRevealingQr {
         self.rests.iter().take_while(|&&rest| rest > self.tolerance.independent).count()
     }
 
-    /// The shortest residual that counted and the longest that did not: how clear the decision was.
-    pub fn gap(&self) -> (f64, f64) {
-        let rank = self.rank();
-        let above = if rank > 0 { self.rests[rank - 1] } else { f64::INFINITY };
-        (above, self.rests.get(rank).copied().unwrap_or(0.0))
-    }
-}
-
-impl RankRevealingQr {
     /// The columns of A, ascending, without which its rank would be lower: those that no other column needs.
     ///
     /// ```text
@@ -88,31 +79,21 @@ impl RankRevealingQr {
     /// columns are judged by this one factorisation, `O(r² n)`, where a rank for each would take `O(m n³)`.
     pub fn indispensable(&self) -> Vec<usize> {
         let r = self.rank();
-        let solve = |mut x: Vec<f64>| {
-            for i in (0..r).rev() {
-                x[i] /= self.factor[i].1[i];
-                let xi = x[i];
-                for (row, value) in x[..i].iter_mut().enumerate() {
-                    *value -= self.factor[i].1[row] * xi;
-                }
-            }
-            x
-        };
         // Lengths of the rows of R₁₁⁻¹, and the largest entry of each row of C.
         let (mut lengths, mut most) = (vec![0.0_f64; r], vec![0.0_f64; r]);
         for j in 0..r {
-            let unit = solve((0..r).map(|i| if i == j { 1.0 } else { 0.0 }).collect());
+            let unit = back_substitute(&self.factor, (0..r).map(|i| f64::from(i == j)).collect());
             for (length, x) in lengths.iter_mut().zip(unit) {
                 *length += x * x;
             }
         }
-        for (_, column) in &self.factor[r..] {
-            for (most, x) in most.iter_mut().zip(solve(column[..r].to_vec())) {
+        for column in &self.factor[r..] {
+            for (most, x) in most.iter_mut().zip(back_substitute(&self.factor, column[..r].to_vec())) {
                 *most = most.max(x.abs());
             }
         }
         let alone = |i: &usize| most[*i] / lengths[*i].sqrt() <= self.tolerance.independent;
-        let mut columns: Vec<usize> = (0..r).filter(alone).map(|i| self.factor[i].0).collect();
+        let mut columns: Vec<usize> = (0..r).filter(alone).map(|i| self.order[i]).collect();
         columns.sort_unstable();
         columns
     }

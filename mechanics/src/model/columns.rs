@@ -90,13 +90,7 @@ impl Columns {
 
     /// The shape parameters of the laws of the terms, each once.
     pub fn shapes(&self) -> Vec<ShapeParameter> {
-        let mut shapes: Vec<ShapeParameter> = Vec::new();
-        for shape in self.terms().flat_map(|term| term.entry().shapes) {
-            if !shapes.contains(shape) {
-                shapes.push(*shape);
-            }
-        }
-        shapes
+        distinct(self.terms().flat_map(|term| term.entry().shapes).copied())
     }
 
     /// The first term that needs more than the motion: the transmitted torque, or a temperature.
@@ -160,13 +154,8 @@ impl Columns {
 
     /// The words that [`Columns::parse`] reads beside `rigid`, of terms that motion and torque are enough to estimate.
     pub fn words() -> Vec<&'static str> {
-        let mut words = vec![FRICTION];
-        for term in Term::ALL.iter().filter(|term| term.entry().needs.is_estimable()) {
-            if !words.contains(&term.entry().name) {
-                words.push(term.entry().name);
-            }
-        }
-        words
+        let estimable = Term::ALL.iter().filter(|term| term.entry().needs.is_estimable());
+        distinct(std::iter::once(FRICTION).chain(estimable.map(|term| term.entry().name)))
     }
 
     /// The parameters of a robot in order: length p, the columns of its regressor.
@@ -180,6 +169,17 @@ impl Columns {
     }
 }
 
+/// Each of them once, where it comes first.
+pub(super) fn distinct<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<T> {
+    let mut kept = Vec::new();
+    for one in all {
+        if !kept.contains(&one) {
+            kept.push(one);
+        }
+    }
+    kept
+}
+
 impl Default for Columns {
     fn default() -> Self {
         Self::RIGID_ROTOR_FRICTION
@@ -188,12 +188,7 @@ impl Default for Columns {
 
 impl fmt::Display for Columns {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut words = Vec::new();
-        for term in self.terms() {
-            if !words.contains(&term.entry().name) {
-                words.push(term.entry().name);
-            }
-        }
+        let words = distinct(self.terms().map(|term| term.entry().name));
         let mut text = RIGID.to_owned();
         let all_friction = FRICTION_NAMES.iter().all(|name| words.contains(name));
         for word in words {

@@ -37,12 +37,7 @@ impl ReferenceUnits {
                 Structure::Viscous => self.viscous_nm_s_rad,
                 Structure::Constant | Structure::Function { .. } => self.torque_nm,
             },
-            ParameterKind::Ixx
-            | ParameterKind::Ixy
-            | ParameterKind::Ixz
-            | ParameterKind::Iyy
-            | ParameterKind::Iyz
-            | ParameterKind::Izz => self.inertia_kg_m2,
+            _ => self.inertia_kg_m2,
         }
     }
 }

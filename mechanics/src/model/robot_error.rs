@@ -1,12 +1,11 @@
 //! Why a robot cannot be as specified, and the checks that say so.
 
-use nalgebra::Vector3;
-
 use super::capsule::Capsule;
 use super::hull::Hull;
-use super::joint::{DhConvention, DhRow, Joint, JointKind};
+use super::joint::{Joint, JointKind};
 use super::motor_circuit::MotorCircuit;
 use super::point::NamedPoint;
+use super::robot::RobotSpec;
 use super::servo::ServoTuning;
 use super::shape::{Cuboid, Obstacle, Shape, Solid};
 use crate::input::SizeError;
@@ -15,9 +14,10 @@ use crate::spatial::Placement;
 /// How far the length of a plane's normal may be from one, and a frame from that of its DH row: rounding.
 const ROUNDING: f64 = 1e-9;
 
-const ABOVE_ZERO: &str = "a number above zero";
-const FINITE_ABOVE_ZERO: &str = "a finite number above zero";
-const FINITE_NOT_BELOW: &str = "a finite number not below zero";
+const ABOVE_ZERO: Bound = Bound { expected: "a number above zero", holds: |x| x > 0.0 };
+const FINITE_ABOVE_ZERO: Bound = Bound { expected: "a finite number above zero", holds: |x| x.is_finite() && x > 0.0 };
+const FINITE_NOT_BELOW: Bound =
+    Bound { expected: "a finite number not below zero", holds: |x| x.is_finite() && x >= 0.0 };
 const FINITE: &str = "finite numbers";
 const RIGID: &str = "an orthonormal right-handed rotation and a finite translation";
 
@@ -34,9 +34,6 @@ pub enum RobotError {
     /// Two joints of one name.
     #[error("joint name \"{joint}\" occurs twice, expected each name once")]
     DuplicateJoint { joint: String },
-    /// A quantity is outside what is possible.
-    #[error("joint \"{joint}\": {quantity} is {found}, expected {expected}")]
-    Joint { joint: String, quantity: &'static str, found: String, expected: &'static str },
     /// The coupling matrix is not n × n and invertible.
     #[error("coupling is a {rows} × {columns} matrix, expected an invertible {dof} × {dof} matrix")]
     Coupling { rows: usize, columns: usize, dof: usize },
@@ -51,20 +48,30 @@ pub enum RobotError {
     /// Two links may touch, one of which does not exist, or they are not in ascending order.
     #[error("links {first} and {second} may touch, expected 0 (the base) to {dof}, the lower first")]
     MayTouch { first: usize, second: usize, dof: usize },
-    /// A quantity of the robot as a whole, of its servo, of a shape or of an obstacle is outside what is possible.
+    /// A quantity of the robot as a whole, of a joint, of its servo, of a shape or of an obstacle is outside what is possible.
     #[error("{place}: {quantity} is {found}, expected {expected}")]
     Quantity { place: String, quantity: &'static str, found: String, expected: &'static str },
 }
 
-/// Gravity, base, shapes, obstacles and the pairs that may touch, of a robot of `dof` links.
-pub(super) fn check_surroundings(
-    gravity: &Vector3<f64>,
-    base: &Placement,
-    shapes: &[Shape],
-    obstacles: &[Obstacle],
-    may_touch: &[(usize, usize)],
-    dof: usize,
-) -> Result<(), RobotError> {
+/// What numbers must be.
+struct Bound {
+    expected: &'static str,
+    holds: fn(f64) -> bool,
+}
+
+impl Bound {
+    fn check(&self, place: impl Fn() -> String, values: &[(&'static str, f64)]) -> Result<(), RobotError> {
+        match values.iter().find(|(_, value)| !(self.holds)(*value)) {
+            Some((quantity, value)) => fault(place(), quantity, value.to_string(), self.expected),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Gravity, base, shapes, obstacles and the pairs that may touch.
+pub(super) fn check_surroundings(spec: &RobotSpec) -> Result<(), RobotError> {
+    let RobotSpec { gravity, base, shapes, obstacles, may_touch, .. } = spec;
+    let dof = spec.joints.len();
     let robot = || "robot".to_owned();
     if !gravity.iter().all(|x| x.is_finite()) {
         return fault(robot(), "gravity", format!("{:?}", gravity.as_slice()), FINITE);
@@ -101,29 +108,32 @@ pub(super) fn check_surroundings(
 
 fn check_solid(solid: &Solid, place: impl Fn() -> String) -> Result<(), RobotError> {
     match solid {
-        Solid::Capsule(Capsule { radius, .. }) if !(radius.is_finite() && *radius > 0.0) => {
-            fault(place(), "radius", radius.to_string(), FINITE_ABOVE_ZERO)
+        Solid::Capsule(Capsule { from, to, radius }) => {
+            FINITE_ABOVE_ZERO.check(&place, &[("radius", *radius)])?;
+            if !from.iter().chain(to).all(|x| x.is_finite()) {
+                return fault(place(), "segment", format!("{:?} to {:?}", from.as_slice(), to.as_slice()), FINITE);
+            }
         }
-        Solid::Capsule(Capsule { from, to, .. }) if !from.iter().chain(to).all(|x| x.is_finite()) => {
-            fault(place(), "segment", format!("{:?} to {:?}", from.as_slice(), to.as_slice()), FINITE)
+        Solid::Cuboid(Cuboid { half, placement }) => {
+            if !half.iter().all(|x| (FINITE_ABOVE_ZERO.holds)(*x)) {
+                let found = format!("{:?}", half.as_slice());
+                return fault(place(), "half length", found, FINITE_ABOVE_ZERO.expected);
+            }
+            if !placement.is_rigid() {
+                return fault(place(), "placement", shown(placement), RIGID);
+            }
         }
-        Solid::Cuboid(Cuboid { half, .. }) if !half.iter().all(|x| x.is_finite() && *x > 0.0) => {
-            fault(place(), "half length", format!("{:?}", half.as_slice()), FINITE_ABOVE_ZERO)
+        Solid::Hull(Hull { points, margin }) => {
+            if points.is_empty() {
+                return fault(place(), "number of points", "0".to_owned(), "at least one");
+            }
+            if !points.iter().flatten().all(|x| x.is_finite()) {
+                return fault(place(), "points", "one that is not finite".to_owned(), FINITE);
+            }
+            FINITE_NOT_BELOW.check(&place, &[("margin", *margin)])?;
         }
-        Solid::Cuboid(Cuboid { placement, .. }) if !placement.is_rigid() => {
-            fault(place(), "placement", shown(placement), RIGID)
-        }
-        Solid::Hull(Hull { points, .. }) if points.is_empty() => {
-            fault(place(), "number of points", "0".to_owned(), "at least one")
-        }
-        Solid::Hull(Hull { points, .. }) if !points.iter().flatten().all(|x| x.is_finite()) => {
-            fault(place(), "points", "one that is not finite".to_owned(), FINITE)
-        }
-        Solid::Hull(Hull { margin, .. }) if !(margin.is_finite() && *margin >= 0.0) => {
-            fault(place(), "margin", margin.to_string(), FINITE_NOT_BELOW)
-        }
-        Solid::Capsule(_) | Solid::Cuboid(_) | Solid::Hull(_) => Ok(()),
     }
+    Ok(())
 }
 
 pub(super) fn check_points(points: &[NamedPoint], dof: usize) -> Result<(), RobotError> {
@@ -139,15 +149,8 @@ pub(super) fn check_points(points: &[NamedPoint], dof: usize) -> Result<(), Robo
 pub(super) fn check_servo(servo: &ServoTuning) -> Result<(), RobotError> {
     let ServoTuning { rate_hz, bandwidth_hz, damping, integral_hz, friction: _ } = *servo;
     let place = || "servo".to_owned();
-    for (quantity, value) in [("rate_hz", rate_hz), ("bandwidth_hz", bandwidth_hz), ("damping", damping)] {
-        if !(value.is_finite() && value > 0.0) {
-            return fault(place(), quantity, value.to_string(), FINITE_ABOVE_ZERO);
-        }
-    }
-    if !(integral_hz.is_finite() && integral_hz >= 0.0) {
-        return fault(place(), "integral_hz", integral_hz.to_string(), FINITE_NOT_BELOW);
-    }
-    Ok(())
+    FINITE_ABOVE_ZERO.check(place, &[("rate_hz", rate_hz), ("bandwidth_hz", bandwidth_hz), ("damping", damping)])?;
+    FINITE_NOT_BELOW.check(place, &[("integral_hz", integral_hz)])
 }
 
 fn fault<T>(place: String, quantity: &'static str, found: String, expected: &'static str) -> Result<T, RobotError> {
@@ -164,94 +167,61 @@ fn same(a: &Placement, b: &Placement) -> bool {
 }
 
 pub(super) fn check_joint(joint: &Joint) -> Result<(), RobotError> {
-    let fault = |quantity, found: String, expected| {
-        Err(RobotError::Joint { joint: joint.name.clone(), quantity, found, expected })
-    };
+    let place = || format!("joint \"{}\"", joint.name);
     for (quantity, placement) in [("frame before it", &joint.before), ("frame after it", &joint.after)] {
         if !placement.is_rigid() {
-            return fault(quantity, shown(placement), RIGID);
+            return fault(place(), quantity, shown(placement), RIGID);
         }
     }
     if let Some((convention, row)) = &joint.dh {
-        check_dh(joint, *convention, row)?;
+        // Formulas use the row, dynamics the frames.
+        let (before, after) = row.placements(*convention);
+        if !(same(&before, &joint.before) && same(&after, &joint.after)) {
+            return fault(place(), "DH row", format!("{row:?}"), "the row of the joint's frames");
+        }
     }
-    let (low, high) = joint.limits.position;
+    let (limits, drive) = (&joint.limits, &joint.drive);
+    let (low, high) = limits.position;
     if low.partial_cmp(&high) != Some(std::cmp::Ordering::Less) {
-        return fault("position limit", format!("{low} to {high}"), "the lower below the upper");
+        return fault(place(), "position limit", format!("{low} to {high}"), "the lower below the upper");
     }
-    for (quantity, value) in [
-        ("velocity limit", joint.limits.velocity),
-        ("acceleration limit", joint.limits.acceleration),
-        ("jerk limit", joint.limits.jerk),
-        ("torque limit", joint.limits.torque),
-        ("continuous torque", joint.limits.continuous_torque),
-        ("current limit", joint.drive.current_limit),
-        ("continuous current", joint.drive.continuous_current),
-        ("converter range", joint.drive.adc_range),
-    ] {
-        if value.is_nan() || value <= 0.0 {
-            return fault(quantity, value.to_string(), ABOVE_ZERO);
-        }
+    let above_zero = [
+        ("velocity limit", limits.velocity),
+        ("acceleration limit", limits.acceleration),
+        ("jerk limit", limits.jerk),
+        ("torque limit", limits.torque),
+        ("continuous torque", limits.continuous_torque),
+        ("current limit", drive.current_limit),
+        ("continuous current", drive.continuous_current),
+        ("converter range", drive.adc_range),
+    ];
+    ABOVE_ZERO.check(place, &above_zero)?;
+    FINITE_ABOVE_ZERO.check(place, &[("gear ratio", drive.gear), ("torque constant", drive.torque_constant)])?;
+    let not_below = [
+        ("encoder counts", drive.counts_per_revolution),
+        ("current noise", drive.current_noise),
+        ("Coulomb velocity", drive.coulomb_velocity),
+        ("voltage noise", drive.voltage_noise),
+    ];
+    FINITE_NOT_BELOW.check(place, &not_below)?;
+    if ![1.0, -1.0].contains(&drive.encoder_sign) {
+        return fault(place(), "encoder sign", drive.encoder_sign.to_string(), "1 or -1");
     }
-    for (quantity, value) in [("gear ratio", joint.drive.gear), ("torque constant", joint.drive.torque_constant)] {
-        if !(value.is_finite() && value > 0.0) {
-            return fault(quantity, value.to_string(), FINITE_ABOVE_ZERO);
-        }
+    if drive.adc_bits > 30 {
+        return fault(place(), "converter bits", drive.adc_bits.to_string(), "0 (none) to 30");
     }
-    for (quantity, value) in [
-        ("encoder counts", joint.drive.counts_per_revolution),
-        ("current noise", joint.drive.current_noise),
-        ("Coulomb velocity", joint.drive.coulomb_velocity),
-        ("voltage noise", joint.drive.voltage_noise),
-    ] {
-        if !(value.is_finite() && value >= 0.0) {
-            return fault(quantity, value.to_string(), FINITE_NOT_BELOW);
-        }
+    if joint.kind == JointKind::Revolute && drive.adc_bits > 0 && !drive.adc_range.is_finite() {
+        let expected = "a finite number where there are bits";
+        return fault(place(), "converter range", drive.adc_range.to_string(), expected);
     }
-    if ![1.0, -1.0].contains(&joint.drive.encoder_sign) {
-        return fault("encoder sign", joint.drive.encoder_sign.to_string(), "1 or -1");
+    if let Some((_, shape)) = drive.shapes.iter().find(|(_, shape)| !shape.is_finite()) {
+        return fault(place(), "shape parameter", shape.to_string(), "a finite number");
     }
-    if joint.drive.adc_bits > 30 {
-        return fault("converter bits", joint.drive.adc_bits.to_string(), "0 (none) to 30");
-    }
-    if joint.kind == JointKind::Revolute && joint.drive.adc_bits > 0 && !joint.drive.adc_range.is_finite() {
-        return fault("converter range", joint.drive.adc_range.to_string(), "a finite number where there are bits");
-    }
-    if let Some((_, shape)) = joint.drive.shapes.iter().find(|(_, shape)| !shape.is_finite()) {
-        return fault("shape parameter", shape.to_string(), "a finite number");
-    }
-    joint.drive.circuit.as_ref().map_or(Ok(()), |circuit| check_circuit(joint, circuit))
-}
-
-/// A DH row and the frames that were made from it say the same: formulas use the one, dynamics the other.
-fn check_dh(joint: &Joint, convention: DhConvention, row: &DhRow) -> Result<(), RobotError> {
-    let (before, after) = row.placements(convention);
-    if same(&before, &joint.before) && same(&after, &joint.after) {
+    let Some(MotorCircuit { resistance, inductance, back_emf, brush_drop, supply }) = drive.circuit else {
         return Ok(());
-    }
-    Err(RobotError::Joint {
-        joint: joint.name.clone(),
-        quantity: "DH row",
-        found: format!("{row:?}"),
-        expected: "the row of the joint's frames",
-    })
-}
-
-fn check_circuit(joint: &Joint, circuit: &MotorCircuit) -> Result<(), RobotError> {
-    let MotorCircuit { resistance, inductance, back_emf, brush_drop, supply } = *circuit;
-    let fault = |quantity, found: f64, expected| {
-        Err(RobotError::Joint { joint: joint.name.clone(), quantity, found: found.to_string(), expected })
     };
-    if !(resistance.is_finite() && resistance > 0.0) {
-        return fault("resistance", resistance, FINITE_ABOVE_ZERO);
-    }
-    if supply.is_nan() || supply <= 0.0 {
-        return fault("supply voltage", supply, ABOVE_ZERO);
-    }
-    for (quantity, value) in [("inductance", inductance), ("back-EMF constant", back_emf), ("brush drop", brush_drop)] {
-        if !(value.is_finite() && value >= 0.0) {
-            return fault(quantity, value, FINITE_NOT_BELOW);
-        }
-    }
-    Ok(())
+    FINITE_ABOVE_ZERO.check(place, &[("resistance", resistance)])?;
+    ABOVE_ZERO.check(place, &[("supply voltage", supply)])?;
+    let not_below = [("inductance", inductance), ("back-EMF constant", back_emf), ("brush drop", brush_drop)];
+    FINITE_NOT_BELOW.check(place, &not_below)
 }

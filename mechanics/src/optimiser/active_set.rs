@@ -130,17 +130,9 @@ impl<'a> ActiveSet<'a> {
             let independent =
                 self.rows.len() < self.step.len() && projection.residual > INDEPENDENCE * projection.total;
             let full = independent.then(|| excess / projection.residual);
-            let (length, dropped) = match (full, partial) {
-                (None, None) => return Err(QuadraticError::Infeasible { excess }),
-                (Some(full), None) => (full, None),
-                (None, Some((i, t))) => (t, Some(i)),
-                (Some(full), Some((i, t))) => {
-                    if t < full {
-                        (t, Some(i))
-                    } else {
-                        (full, None)
-                    }
-                }
+            let dropped = partial.filter(|&(_, t)| full.is_none_or(|full| t < full));
+            let Some(length) = dropped.map(|(_, t)| t).or(full) else {
+                return Err(QuadraticError::Infeasible { excess });
             };
             if full.is_some() {
                 axpy(-length, &projection.h_normal, &mut self.step);
@@ -153,7 +145,7 @@ impl<'a> ActiveSet<'a> {
             }
             multiplier += length;
             match dropped {
-                Some(i) => pool.push(self.remove(i)),
+                Some((i, _)) => pool.push(self.remove(i)),
                 None => {
                     self.append(row, projection, multiplier);
                     return Ok(());

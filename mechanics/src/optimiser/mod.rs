@@ -22,7 +22,7 @@ mod vectors;
 pub use brent::climb;
 pub use error::QuadraticError;
 pub use quadratic::{QuadraticSolution, solve_quadratic};
-pub use row::{FixedRows, Row, RowSource};
+pub use row::{Row, RowSource};
 pub use sequential::{LinearLimits, Objective, Progress, Sequential, SequentialSettings};
 pub use smooth::{CombinedLimits, SmoothLimits, SmoothRow};
 pub use vectors::{dot, square};

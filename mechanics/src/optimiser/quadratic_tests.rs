@@ -2,11 +2,24 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{FixedRows, QuadraticError, QuadraticSolution, Row, solve_quadratic};
+use super::{QuadraticError, QuadraticSolution, Row, RowSource, solve_quadratic};
 use crate::seed::Seed;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
 use rand::RngExt;
+
+/// A fixed list of rows, each held to a tolerance.
+struct FixedRows {
+    rows: Vec<Row>,
+    /// Largest excess that counts as none.
+    tolerance: f64,
+}
+
+impl RowSource for FixedRows {
+    fn violated(&mut self, step: &[f64], rows: &mut Vec<Row>) {
+        rows.extend(self.rows.iter().filter(|row| row.excess(step) > self.tolerance).cloned());
+    }
+}
 
 struct Program {
     hessian: DMatrix<f64>,

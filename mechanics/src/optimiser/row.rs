@@ -25,18 +25,3 @@ pub trait RowSource {
     /// Appends rows that `step` violates by more than their tolerance; none means that the step is feasible.
     fn violated(&mut self, step: &[f64], rows: &mut Vec<Row>);
 }
-
-/// A fixed list of rows, each held to a tolerance.
-#[derive(Clone, Debug)]
-pub struct FixedRows {
-    /// The rows.
-    pub rows: Vec<Row>,
-    /// Largest excess that counts as none.
-    pub tolerance: f64,
-}
-
-impl RowSource for FixedRows {
-    fn violated(&mut self, step: &[f64], rows: &mut Vec<Row>) {
-        rows.extend(self.rows.iter().filter(|row| row.excess(step) > self.tolerance).cloned());
-    }
-}

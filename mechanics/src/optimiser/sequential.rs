@@ -90,7 +90,8 @@ pub struct Sequential {
     scaled: bool,
     warm: Vec<Row>,
     penalty: f64,
-    settings: SequentialSettings,
+    /// How far it goes; may change between steps.
+    pub settings: SequentialSettings,
 }
 
 /// Steps towards the inside of the smooth limits before they count as out of reach.
@@ -168,18 +169,8 @@ impl Sequential {
         self.excess <= tolerance
     }
 
-    /// Allows this many evaluations in all from now on.
-    pub fn allow(&mut self, evaluations: usize) {
-        self.settings.max_evaluations = evaluations;
-    }
-
-    /// Counts a promise below this as none from now on.
-    pub fn tolerate(&mut self, promise: f64) {
-        self.settings.tolerance = promise;
-    }
-
     /// Resets B to a multiple of the identity of the same mean curvature.
-    pub fn reset_hessian(&mut self) {
+    fn reset_hessian(&mut self) {
         let n = self.x.len();
         let stiffness: f64 = self.inverse.diagonal().iter().map(|flexibility| 1.0 / flexibility).sum();
         self.inverse = DMatrix::identity(n, n) * (n as f64 / stiffness);

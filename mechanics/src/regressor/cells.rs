@@ -6,12 +6,8 @@ use super::body::BodyRegressor;
 use super::joint_torque::JointTorqueRegressor;
 use crate::dynamics::{TOGETHER, Together};
 use crate::lanes::Wide;
+use crate::linalg::column_products::Line;
 use crate::spatial::LaneMotion;
-
-/// A number of each block, in a cache line of its own, so that no access touches two.
-#[derive(Clone, Copy)]
-#[repr(align(64))]
-pub(super) struct Line(pub(super) [f64; TOGETHER]);
 
 /// Sums of the blocks that are worked on, one cell for each joint and wanted column.
 pub(super) struct Cells<'a> {
@@ -23,7 +19,7 @@ pub(super) struct Cells<'a> {
     /// Place of each of the terms' columns among the wanted.
     terms: Vec<Option<usize>>,
     /// Lines from a joint's cell to the next one's, and from a column's to the next one's.
-    strides: [usize; 2],
+    pub(super) strides: [usize; 2],
     /// The line of each cell that is worked on.
     pub(super) line: usize,
     pub(super) sums: Vec<Line>,
@@ -82,7 +78,7 @@ impl<'a> Cells<'a> {
             let cell = |joint: usize| Cell { place, joint, index: joint * strides[0] + place * strides[1] };
             touched.extend((0..loaded).map(cell));
         }
-        let (sums, of_terms) = (vec![Line([0.0; TOGETHER]); lines], vec![false; lines]);
+        let (sums, of_terms) = (vec![Line::ZERO; lines], vec![false; lines]);
         Self { regressor, columns, links, terms, strides, line: 0, sums, touched, sorted: 0, of_terms }
     }
 
@@ -134,7 +130,7 @@ impl<'a> Cells<'a> {
         }
         if FIRST {
             for cell in touched.iter().filter(|cell| of_terms[cell.index]) {
-                sums[cell.index] = Line([0.0; TOGETHER]);
+                sums[cell.index] = Line::ZERO;
             }
         }
         let flat = [&state.q, &state.qd, &state.qdd].map(|x| x.as_flattened());
@@ -167,12 +163,6 @@ impl Cells<'_> {
                 *sum = if FIRST { entry } else { *sum + entry };
             }
         }
-    }
-
-    /// All lines of the column at `place`, joint after joint.
-    #[inline(always)]
-    pub(super) fn column(&self, place: usize) -> &[Line] {
-        &self.sums[place * self.strides[1]..][..self.strides[1]]
     }
 
     /// Sets the line of every joint in the one column more, to the values of some samples, n each.

@@ -9,12 +9,13 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 
-use super::cells::{Cells, Line};
+use super::cells::Cells;
 use super::joint_torque::JointTorqueRegressor;
 use crate::dynamics::{TOGETHER, samples_of};
 use crate::linalg::Gram;
+use crate::linalg::column_products::{Line, Products, Run};
 
 /// Lines of eight samples that are held of each joint and column before they are multiplied.
 const DEPTH: usize = 8;
@@ -54,7 +55,7 @@ struct Sums {
 
 impl Sums {
     fn new(columns: usize, weights: &[f64]) -> Self {
-        let (width, zero) = (columns + 1, Line([0.0; TOGETHER]));
+        let (width, zero) = (columns + 1, Line::ZERO);
         let roots = weights.iter().map(|weight| weight.sqrt()).collect();
         Self { width, roots, spans: vec![0..0; width], sums: vec![zero; width * width] }
     }
@@ -76,13 +77,13 @@ impl Sums {
     fn add(&mut self, cells: &mut Cells<'_>) {
         for cell in &cells.touched {
             let lines = &mut cells.sums[cell.index..][..DEPTH];
-            lines[cells.line..].fill(Line([0.0; TOGETHER]));
+            lines[cells.line..].fill(Line::ZERO);
             let root = self.roots[cell.joint];
             if root != 1.0 {
                 lines.iter_mut().flat_map(|line| &mut line.0).for_each(|entry| *entry *= root);
             }
             let (joint, span) = (cell.joint, &mut self.spans[cell.place]);
-            if !span.contains(&joint) && lines.iter().any(|line| line.0 != [0.0; TOGETHER]) {
+            if !span.contains(&joint) && lines.iter().any(|line| line.0 != Line::ZERO.0) {
                 *span = if span.start == span.end {
                     joint..joint + 1
                 } else {
@@ -94,7 +95,8 @@ impl Sums {
         let spans = self.spans.iter().enumerate().filter(|(_, span)| !span.is_empty());
         let run = |(place, span): (usize, &Range<usize>)| Run { place, lines: span.start * DEPTH..span.end * DEPTH };
         let runs: Vec<Run> = spans.map(run).collect();
-        Arch::new().dispatch(Products { runs: &runs, cells, width: self.width, sums: &mut self.sums });
+        let (held, stride) = (&cells.sums, cells.strides[1]);
+        Arch::new().dispatch(Products { runs: &runs, held, stride, width: self.width, sums: &mut self.sums });
     }
 
     fn finish(mut self, mut cells: Cells<'_>, rows: usize) -> Gram {
@@ -102,99 +104,9 @@ impl Sums {
             self.add(&mut cells);
         }
         let b = self.width - 1;
-        let entry = |i: usize, j: usize| {
-            let s = &self.sums[i * self.width + j].0;
-            ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]))
-        };
+        let entry = |i: usize, j: usize| self.sums[i * self.width + j].sum();
         let upper = DMatrix::from_fn(b, b, |i, j| if i <= j { entry(i, j) } else { 0.0 });
         Gram::from_sums(upper, DVector::from_fn(b, |i, _| entry(i, b)), entry(b, b), rows)
-    }
-}
-
-/// What a column holds.
-struct Run {
-    place: usize,
-    /// From the first to the last line, joint after joint, that is not zero.
-    lines: Range<usize>,
-}
-
-/// Products of all columns with each other, added to the sums.
-struct Products<'a, 'c> {
-    /// Columns that are not zero, ascending.
-    runs: &'a [Run],
-    cells: &'a Cells<'c>,
-    width: usize,
-    sums: &'a mut [Line],
-}
-
-impl WithSimd for Products<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        // As many sums as there are registers for.
-        if S::REGISTER_COUNT < 32 { self.all::<S, 2>(simd) } else { self.all::<S, 4>(simd) }
-    }
-}
-
-impl Products<'_, '_> {
-    /// J columns after the other.
-    #[inline(always)]
-    fn all<S: Simd, const J: usize>(mut self, simd: S) {
-        let (groups, rest) = self.runs.as_chunks::<J>();
-        for (at, columns) in groups.iter().enumerate() {
-            self.columns(simd, &self.runs[..J * (at + 1)], columns);
-        }
-        for (at, column) in (J * groups.len()..).zip(rest) {
-            self.columns(simd, &self.runs[..=at], std::array::from_ref(column));
-        }
-    }
-
-    /// Products of these columns with all of `rows`.
-    #[inline(always)]
-    fn columns<S: Simd, const J: usize>(&mut self, simd: S, rows: &[Run], columns: &[Run; J]) {
-        let (fours, rest) = rows.as_chunks::<4>();
-        for rows in fours {
-            self.tile(simd, rows, columns);
-        }
-        for row in rest {
-            self.tile(simd, std::array::from_ref(row), columns);
-        }
-    }
-
-    #[inline(always)]
-    fn tile<S: Simd, const I: usize, const J: usize>(&mut self, simd: S, rows: &[Run; I], columns: &[Run; J]) {
-        // Lines that are not zero in a row and in a column.
-        let first = |runs: &[Run]| runs.iter().map(|run| run.lines.start).min().unwrap_or(0);
-        let end = |runs: &[Run]| runs.iter().map(|run| run.lines.end).max().unwrap_or(0);
-        let lines = first(rows).max(first(columns))..end(rows).min(end(columns));
-        if lines.is_empty() {
-            return;
-        }
-        let a: [_; I] = std::array::from_fn(|x| &self.cells.column(rows[x].place)[lines.clone()]);
-        let b: [_; J] = std::array::from_fn(|y| &self.cells.column(columns[y].place)[lines.clone()]);
-        for v in 0..TOGETHER / S::F64_LANES {
-            let mut sums = [[simd.splat_f64s(0.0); J]; I];
-            for line in 0..lines.len() {
-                let mut right = [simd.splat_f64s(0.0); J];
-                for y in 0..J {
-                    right[y] = S::as_simd_f64s(&b[y][line].0).0[v];
-                }
-                for x in 0..I {
-                    let left = S::as_simd_f64s(&a[x][line].0).0[v];
-                    for y in 0..J {
-                        sums[x][y] = simd.add_f64s(sums[x][y], simd.mul_f64s(left, right[y]));
-                    }
-                }
-            }
-            for x in 0..I {
-                for y in 0..J {
-                    let sum = &mut self.sums[rows[x].place * self.width + columns[y].place].0;
-                    let to = &mut S::as_mut_simd_f64s(sum).0[v];
-                    *to = simd.add_f64s(*to, sums[x][y]);
-                }
-            }
-        }
     }
 }
 
@@ -206,26 +118,6 @@ mod tests {
     use crate::model::Columns;
     use crate::model::term::LOAD_FRICTION;
     use crate::seed::Seed;
-
-    #[test]
-    fn identity_the_width_of_the_processor_changes_no_bit() {
-        let (robot, _) = ChainRecipe::new(4).draw(&mut Seed::new(16).stream("gram", 0));
-        let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
-        let columns: Vec<usize> = (0..37).collect();
-        let mut cells = Cells::in_columns(&regressor, &columns, DEPTH);
-        for (k, line) in cells.sums.iter_mut().enumerate() {
-            line.0 = std::array::from_fn(|lane| libm::sin((k * k + lane) as f64));
-        }
-        let runs: Vec<Run> = (0..38).map(|place| Run { place, lines: place % 3..(place % 4 + 1) * DEPTH }).collect();
-        let [mut wide, mut narrow] = [0, 1].map(|_| vec![Line([0.0; TOGETHER]); 38 * 38]);
-        Arch::new().dispatch(Products { runs: &runs, cells: &cells, width: 38, sums: &mut wide });
-        Arch::Scalar.dispatch(Products { runs: &runs, cells: &cells, width: 38, sums: &mut narrow });
-        for row in 0..38 {
-            for at in 38 * row + row..38 * (row + 1) {
-                assert_eq!(wide[at].0, narrow[at].0, "row {row}");
-            }
-        }
-    }
 
     #[test]
     fn identity_normal_equations_are_those_of_the_stack() {

@@ -144,13 +144,8 @@ mod tests {
             }
             let carried = Robot::new(crate::model::RobotSpec {
                 name: "carried".to_owned(),
-                gravity: Vector3::zeros(),
-                base: crate::spatial::Placement::identity(),
                 joints: robot.joints()[2..].to_vec(),
-                coupling: None,
-                shapes: Vec::new(),
-                obstacles: Vec::new(),
-                may_touch: Vec::new(),
+                ..crate::model::RobotSpec::default()
             })
             .unwrap();
             let short = JointTorqueRegressor::new(&carried, Columns::RIGID).unwrap();

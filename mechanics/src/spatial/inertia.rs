@@ -35,6 +35,14 @@ pub enum InertiaError {
     NotPositiveDefinite { eigenvalue: f64 },
 }
 
+impl std::ops::AddAssign for Inertia {
+    fn add_assign(&mut self, other: Self) {
+        self.mass += other.mass;
+        self.first_moment += other.first_moment;
+        self.rotational += other.rotational;
+    }
+}
+
 impl Inertia {
     /// No body at all.
     pub fn zero() -> Self {

@@ -26,6 +26,12 @@ crate::plain::checked_when_read!(Placement, |value| {
     if value.is_rigid() { Ok(value) } else { Err(fault) }
 });
 
+impl Default for Placement {
+    fn default() -> Self {
+        Self::identity()
+    }
+}
+
 impl Placement {
     /// Whether it is one of a rigid body: a finite translation, and a rotation whose columns are orthonormal and right-handed.
     pub fn is_rigid(&self) -> bool {

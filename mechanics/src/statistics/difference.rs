@@ -70,12 +70,17 @@ pub fn welch_difference(first: &[f64], second: &[f64], level: f64) -> Option<Mea
     if first.len() < 2 || second.len() < 2 {
         return None;
     }
-    let [(v1, n1), (v2, n2)] = [first, second].map(|of| (variance(of) / of.len() as f64, (of.len() - 1) as f64));
+    let parts = [first, second].map(|of| (variance(of) / of.len() as f64, (of.len() - 1) as f64));
+    let (sum, freedom) = satterthwaite(parts, parts[0].1 + parts[1].1);
+    mean_difference(mean(first) - mean(second), sum, freedom, level)
+}
+
+/// The sum of two variances, and its degrees of freedom from theirs: `without` where it is zero.
+fn satterthwaite([(v1, n1), (v2, n2)]: [(f64, f64); 2], without: f64) -> (f64, f64) {
     let sum = v1 + v2;
     // By shares of the sum, whose squares stay in range.
     let (share1, share2) = (v1 / sum, v2 / sum);
-    let freedom = if sum > 0.0 { 1.0 / (share1 * share1 / n1 + share2 * share2 / n2) } else { n1 + n2 };
-    mean_difference(mean(first) - mean(second), sum, freedom, level)
+    (sum, if sum > 0.0 { 1.0 / (share1 * share1 / n1 + share2 * share2 / n2) } else { without })
 }
 
 /// Mean of differences of which each unit (row) has one under each of the same draws (columns), with an interval at confidence `level`
@@ -97,11 +102,8 @@ pub fn crossed_difference(cells: &[Vec<f64>], level: f64) -> Option<MeanDifferen
     let of_columns: Vec<f64> =
         (0..columns).map(|k| mean(&cells.iter().map(|row| row[k]).collect::<Vec<f64>>())).collect();
     // Each is the variance of means over the other side.
-    let [v1, v2] = [variance(&of_rows) / rows as f64, variance(&of_columns) / columns as f64];
-    let sum = v1 + v2;
-    let [n1, n2] = [(rows - 1) as f64, (columns - 1) as f64];
-    let (share1, share2) = (v1 / sum, v2 / sum);
-    let freedom = if sum > 0.0 { 1.0 / (share1 * share1 / n1 + share2 * share2 / n2) } else { n1 };
+    let parts = [(&of_rows, rows), (&of_columns, columns)].map(|(of, n)| (variance(of) / n as f64, (n - 1) as f64));
+    let (sum, freedom) = satterthwaite(parts, parts[0].1);
     mean_difference(mean(&of_rows), sum, freedom, level)
 }
 

@@ -27,11 +27,16 @@ impl Interval {
 
 /// Interval for the mean of independent values by Student's t at confidence `level`; `None` of fewer than two.
 pub fn t_interval(values: &[f64], level: f64) -> Option<Interval> {
+    mean_interval(values, 0.5 + 0.5 * level)
+}
+
+/// Interval for the mean that ends at Student's quantile of this share; `None` of fewer than two values.
+pub(super) fn mean_interval(values: &[f64], share: f64) -> Option<Interval> {
     let n = values.len();
     if n < 2 {
         return None;
     }
-    let t = student_quantile(0.5 + 0.5 * level, (n - 1) as f64);
+    let t = student_quantile(share, (n - 1) as f64);
     let (m, half) = (mean(values), t * (variance(values) / n as f64).sqrt());
     Some(Interval { low: m - half, high: m + half })
 }

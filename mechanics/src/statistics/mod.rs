@@ -27,5 +27,5 @@ pub use distribution::{normal_quantile, student_quantile};
 pub use f_distribution::f_tail;
 pub use interval::{Interval, share_interval, t_interval, wilson_interval};
 pub use rank_correlation::{rank_correlation, rank_correlation_interval};
-pub use repeated_interval::{ErrorSpending, repeated_interval};
+pub use repeated_interval::{pocock_bounds, repeated_interval};
 pub use sample::{Spread, mean, quantile, root_mean_square, variance};

@@ -2,31 +2,19 @@
 //!
 //! ```text
 //! α*(t) = α ln( 1 + (e − 1) t )                      error spent at the fraction t of the largest sample, after Pocock
-//! α*(t) = 4 − 4 Φ( Φ⁻¹(1 − α/4) / √t )               the same after O'Brien and Fleming, half on each side
 //! P( |Z_1| < c_1, …, |Z_k| < c_k ) = 1 − α*(t_k)     for every look k, Z_k √t_k being Brownian motion at t_k
 //! interval at look k: x̄ ± T⁻¹_{n_k−1}( Φ(c_k) ) s / √n_k
 //! ```
 //! The intervals of all looks cover the mean simultaneously with probability 1 − α, so that each is valid under any
 //! stopping rule (K. K. G. Lan and D. L. DeMets, Biometrika 70, 1983; C. Jennison and B. W. Turnbull, J. R. Stat. Soc.
 //! B 51, 1989). Student's t in place of the normal distribution is their approximation by significance levels: of 20000
-//! samples of normal numbers, looked at at 4, 6, 9, 13, 20 and 32, all six intervals covered the mean in 94.3 %
-//! (Pocock) and 94.8 %. The densities are integrated look by look (P. Armitage, C. K. McPherson and B. C. Rowe, J. R.
+//! samples of normal numbers, looked at at 4, 6, 9, 13, 20 and 32, all six intervals covered the mean in 94.3 %.
+//! The densities are integrated look by look (P. Armitage, C. K. McPherson and B. C. Rowe, J. R.
 //! Stat. Soc. A 132, 1969).
 
 use std::f64::consts::{E, FRAC_1_SQRT_2, PI};
 
-use super::distribution::{normal_quantile, student_quantile};
-use super::interval::Interval;
-use super::sample::{mean, variance};
-
-/// How the error is spent over the looks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ErrorSpending {
-    /// About alike on every look: intervals are usable early.
-    Pocock,
-    /// Little at first: the last look has nearly the interval of a single one.
-    ObrienFleming,
-}
+use super::interval::{Interval, mean_interval};
 
 /// Intervals of Simpson's rule.
 const STEPS: usize = 400;
@@ -34,52 +22,36 @@ const STEPS: usize = 400;
 /// No bound is larger: the tail beyond it is no number.
 const FARTHEST: f64 = 37.0;
 
-impl ErrorSpending {
-    /// Error spent up to a fraction of the largest sample.
-    pub fn spent(self, error: f64, fraction: f64) -> f64 {
-        match self {
-            Self::Pocock => error * libm::log1p((E - 1.0) * fraction),
-            Self::ObrienFleming => 4.0 * upper_tail(normal_quantile(1.0 - 0.25 * error) / fraction.sqrt()),
+/// The bounds c_k of the looks at these fractions of the largest sample, increasing and at most 1, for intervals that hold
+/// together at confidence `level`. The error is spent about alike on every look: intervals are usable early.
+pub fn pocock_bounds(fractions: &[f64], level: f64) -> Vec<f64> {
+    let mut bounds = Vec::with_capacity(fractions.len());
+    // Density of those that have stayed inside up to the look before, at the points of a rule of integration.
+    let mut inside: Option<Inside> = None;
+    let mut spent = 0.0;
+    for (k, &fraction) in fractions.iter().enumerate() {
+        let until_now = (1.0 - level) * libm::log1p((E - 1.0) * fraction);
+        let step = (fraction - if k == 0 { 0.0 } else { fractions[k - 1] }).sqrt();
+        let leaving = |limit: f64| match &inside {
+            None => 2.0 * upper_tail(limit / step),
+            Some(inside) => inside.leaving(limit, step),
+        };
+        let (mut low, mut high) = (0.0, FARTHEST * fraction.sqrt());
+        // More halvings than a double has digits.
+        for _ in 0..80 {
+            let middle = 0.5 * (low + high);
+            if leaving(middle) > until_now - spent { low = middle } else { high = middle }
         }
+        spent = until_now;
+        bounds.push(high / fraction.sqrt());
+        inside = Some(Inside::after(inside.as_ref(), high, step));
     }
-
-    /// The bounds c_k of the looks at these fractions of the largest sample, increasing and at most 1, for intervals that
-    /// hold together at confidence `level`.
-    pub fn bounds(self, fractions: &[f64], level: f64) -> Vec<f64> {
-        let mut bounds = Vec::with_capacity(fractions.len());
-        // Density of those that have stayed inside up to the look before, at the points of a rule of integration.
-        let mut inside: Option<Inside> = None;
-        let mut spent = 0.0;
-        for (k, &fraction) in fractions.iter().enumerate() {
-            let until_now = self.spent(1.0 - level, fraction);
-            let step = (fraction - if k == 0 { 0.0 } else { fractions[k - 1] }).sqrt();
-            let leaving = |limit: f64| match &inside {
-                None => 2.0 * upper_tail(limit / step),
-                Some(inside) => inside.leaving(limit, step),
-            };
-            let (mut low, mut high) = (0.0, FARTHEST * fraction.sqrt());
-            // More halvings than a double has digits.
-            for _ in 0..80 {
-                let middle = 0.5 * (low + high);
-                if leaving(middle) > until_now - spent { low = middle } else { high = middle }
-            }
-            spent = until_now;
-            bounds.push(high / fraction.sqrt());
-            inside = Some(Inside::after(inside.as_ref(), high, step));
-        }
-        bounds
-    }
+    bounds
 }
 
 /// The interval at a look whose bound is `bound`; `None` of fewer than two values, or where it is infinite.
 pub fn repeated_interval(values: &[f64], bound: f64) -> Option<Interval> {
-    let n = values.len();
-    if n < 2 {
-        return None;
-    }
-    let t = student_quantile(1.0 - upper_tail(bound), (n - 1) as f64);
-    let (m, half) = (mean(values), t * (variance(values) / n as f64).sqrt());
-    half.is_finite().then_some(Interval { low: m - half, high: m + half })
+    mean_interval(values, 1.0 - upper_tail(bound)).filter(|interval| (interval.high - interval.low).is_finite())
 }
 
 /// The density of what has stayed inside its bounds.
@@ -129,6 +101,8 @@ fn upper_tail(z: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::seed::Seed;
+    use crate::statistics::distribution::normal_quantile;
+    use crate::statistics::t_interval;
     use rand_distr::{Distribution, StandardNormal};
 
     #[test]
@@ -136,35 +110,28 @@ mod tests {
         // Lan & DeMets (1983) and the tables of Reboussin, DeMets, Kim & Lan (Controlled Clinical Trials 21, 2000): two
         // sides, error 0.05.
         let fifths = [0.2, 0.4, 0.6, 0.8, 1.0];
-        for (spending, published) in [
-            (ErrorSpending::ObrienFleming, [4.8769, 3.3569, 2.6803, 2.2898, 2.0310]),
-            (ErrorSpending::Pocock, [2.4380, 2.4268, 2.4101, 2.3966, 2.3859]),
-        ] {
-            for (bound, published) in spending.bounds(&fifths, 0.95).into_iter().zip(published) {
-                assert!((bound - published).abs() < 2e-4, "{spending:?}: {bound}, published {published}");
-            }
+        for (bound, published) in pocock_bounds(&fifths, 0.95).into_iter().zip([2.4380, 2.4268, 2.4101, 2.3966, 2.3859])
+        {
+            assert!((bound - published).abs() < 2e-4, "{bound}, published {published}");
         }
     }
 
     #[test]
     fn identity_one_look_has_the_interval_of_one() {
-        for spending in [ErrorSpending::Pocock, ErrorSpending::ObrienFleming] {
-            let bound = spending.bounds(&[1.0], 0.95)[0];
-            assert!((bound - normal_quantile(0.975)).abs() < 1e-12, "{bound}");
-            let values = [1.0, 4.0, 2.0, 9.0];
-            let (one, other) =
-                (repeated_interval(&values, bound).unwrap(), super::super::t_interval(&values, 0.95).unwrap());
-            assert!((one.low - other.low).abs() < 1e-9 && (one.high - other.high).abs() < 1e-9);
-        }
+        let bound = pocock_bounds(&[1.0], 0.95)[0];
+        assert!((bound - normal_quantile(0.975)).abs() < 1e-12, "{bound}");
+        let values = [1.0, 4.0, 2.0, 9.0];
+        let (one, other) = (repeated_interval(&values, bound).unwrap(), t_interval(&values, 0.95).unwrap());
+        assert!((one.low - other.low).abs() < 1e-9 && (one.high - other.high).abs() < 1e-9);
         assert_eq!(repeated_interval(&[1.0], 2.0), None);
     }
 
     /// Shares of 4000 samples of up to 32 normal numbers, looked at at 4, 6, 9, 13, 20 and 32, in which the interval at the
     /// end holds the mean: by intervals of all looks, and by Student's at the same looks. The end is where the half width
     /// is below 0.6 for the first time.
-    fn coverage(spending: ErrorSpending) -> (f64, f64) {
+    fn coverage() -> (f64, f64) {
         let looks = [4, 6, 9, 13, 20, 32];
-        let bounds = spending.bounds(&looks.map(|n| f64::from(n) / 32.0), 0.95);
+        let bounds = pocock_bounds(&looks.map(|n| f64::from(n) / 32.0), 0.95);
         let plain = vec![normal_quantile(0.975); bounds.len()];
         let trials = 4000;
         let covered = |bounds: &[f64]| {
@@ -184,11 +151,9 @@ mod tests {
     #[test]
     fn statistics_intervals_hold_where_their_own_width_ends_the_sample() {
         // The standard deviation of a share of 0.95 of 4000 is 0.0034: three of them below.
-        for spending in [ErrorSpending::Pocock, ErrorSpending::ObrienFleming] {
-            let (repeated, plain) = coverage(spending);
-            assert!(repeated > 0.95 - 3.0 * 0.0034, "{spending:?}: {repeated}");
-            // The test sees what it is for: a narrow interval of a small sample is narrow by chance.
-            assert!(plain < 0.95 - 3.0 * 0.0034, "{spending:?}: {plain}");
-        }
+        let (repeated, plain) = coverage();
+        assert!(repeated > 0.95 - 3.0 * 0.0034, "{repeated}");
+        // The test sees what it is for: a narrow interval of a small sample is narrow by chance.
+        assert!(plain < 0.95 - 3.0 * 0.0034, "{plain}");
     }
 }

@@ -31,7 +31,7 @@ impl Curve {
         match self {
             Self::Trigonometric(wave) => wave.maximum(),
             Self::Mixed(wave, polynomial) => mixed_maximum(wave, polynomial),
-            Self::Piecewise(pieces) => pieces.maximum(),
+            Self::Piecewise(pieces) => pieces.extremum(1.0),
         }
     }
 
@@ -40,17 +40,16 @@ impl Curve {
         match self {
             Self::Trigonometric(wave) => wave.minimum(),
             Self::Mixed(wave, polynomial) => {
-                let negative = |values: &[f64]| values.iter().map(|x| -x).collect::<Vec<f64>>();
-                let wave = TrigonometricPolynomial {
-                    mean: -wave.mean,
-                    cosine: negative(&wave.cosine),
-                    sine: negative(&wave.sine),
-                };
-                let Extremum { phase, value } = mixed_maximum(&wave, &negative(polynomial));
-                Extremum { phase, value: -value }
+                let polynomial: Vec<f64> = polynomial.iter().map(|c| -c).collect();
+                mixed_maximum(&wave.negated(), &polynomial).negated()
             }
-            Self::Piecewise(pieces) => pieces.minimum(),
+            Self::Piecewise(pieces) => pieces.extremum(-1.0),
         }
+    }
+
+    /// The largest magnitude over the period.
+    pub fn peak(&self) -> f64 {
+        self.maximum().value.max(-self.minimum().value)
     }
 }
 

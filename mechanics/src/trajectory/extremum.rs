@@ -18,6 +18,12 @@ pub struct Extremum {
     pub value: f64,
 }
 
+impl Extremum {
+    pub(super) fn negated(self) -> Self {
+        Self { value: -self.value, ..self }
+    }
+}
+
 /// How far, relative to the sum of the amplitudes, the found extremum may lie from the true one.
 pub const EXTREMUM_TOLERANCE: f64 = 1e-10;
 

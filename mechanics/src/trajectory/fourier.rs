@@ -97,20 +97,10 @@ impl FourierTrajectory {
         self.wave(index, 0)
     }
 
-    /// Velocity of joint `index` over the phase ωt, rad/s.
-    pub fn velocity(&self, index: usize) -> TrigonometricPolynomial {
-        self.wave(index, 1)
-    }
-
-    /// Acceleration of joint `index` over the phase ωt, rad/s².
-    pub fn acceleration(&self, index: usize) -> TrigonometricPolynomial {
-        self.wave(index, 2)
-    }
-
     /// The derivative of any order of joint `index`'s position over the phase ωt.
     pub(super) fn wave(&self, index: usize, order: usize) -> TrigonometricPolynomial {
         let FourierJoint { a, b, q0, .. } = &self.joints[index];
-        let frequency = self.frequencies();
+        let frequency: Vec<f64> = (1..=self.harmonics()).map(|l| l as f64 * self.omega()).collect();
         let turned = |values: &[f64], sign: f64| -> Vec<f64> {
             values
                 .iter()
@@ -135,11 +125,6 @@ impl FourierTrajectory {
     /// `count` samples of one period, at `t_k = k T / count`.
     pub fn sample(&self, count: usize) -> States {
         Trajectory::sample(self, count)
-    }
-
-    /// Angular frequency of each harmonic, rad/s.
-    fn frequencies(&self) -> Vec<f64> {
-        (1..=self.harmonics()).map(|l| l as f64 * self.omega()).collect()
     }
 }
 
@@ -245,8 +230,8 @@ mod tests {
             let phase = trajectory.omega() * t;
             for i in 0..6 {
                 assert!((trajectory.position(i).value(phase) - q[i]).abs() < 1e-13);
-                assert!((trajectory.velocity(i).value(phase) - qd[i]).abs() < 1e-13);
-                assert!((trajectory.acceleration(i).value(phase) - qdd[i]).abs() < 1e-12);
+                assert!((trajectory.curve(i, 1).value(phase) - qd[i]).abs() < 1e-13);
+                assert!((trajectory.curve(i, 2).value(phase) - qdd[i]).abs() < 1e-12);
             }
         }
     }

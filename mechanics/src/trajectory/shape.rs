@@ -61,11 +61,7 @@ impl ShapeFunctions for Shape {
 
     fn constant(&self) -> Vec<f64> {
         match self {
-            Self::Series { .. } => {
-                let mut values = vec![0.0; self.count()];
-                values[self.count() - 1] = 1.0;
-                values
-            }
+            Self::Series { .. } => [vec![0.0; self.count() - 1], vec![1.0]].concat(),
             Self::Spline { knots, .. } => vec![1.0; *knots],
         }
     }
@@ -73,11 +69,7 @@ impl ShapeFunctions for Shape {
     fn scales(&self, scale: &MotionScale) -> Vec<f64> {
         match self {
             // Amplitudes of speed, and a position.
-            Self::Series { .. } => {
-                let mut scales = vec![scale.speed; self.count()];
-                scales[self.count() - 1] = scale.range;
-                scales
-            }
+            Self::Series { .. } => [vec![scale.speed; self.count() - 1], vec![scale.range]].concat(),
             Self::Spline { .. } => vec![scale.speed / scale.omega; self.count()],
         }
     }

@@ -45,17 +45,6 @@ impl TrigonometricPolynomial {
         self.jet(phase).0
     }
 
-    /// The derivative with respect to the phase, a polynomial again.
-    #[must_use]
-    pub fn derivative(&self) -> Self {
-        let order = |l: usize| (l + 1) as f64;
-        Self {
-            mean: 0.0,
-            cosine: self.sine.iter().enumerate().map(|(l, s)| order(l) * s).collect(),
-            sine: self.cosine.iter().enumerate().map(|(l, c)| -order(l) * c).collect(),
-        }
-    }
-
     /// The largest value over the period, to [`EXTREMUM_TOLERANCE`] of the sum of the amplitudes.
     pub fn maximum(&self) -> Extremum {
         let amplitudes = self.amplitudes();
@@ -75,13 +64,12 @@ impl TrigonometricPolynomial {
 
     /// The smallest value over the period, as [`Self::maximum`].
     pub fn minimum(&self) -> Extremum {
-        let negated = Self {
-            mean: -self.mean,
-            cosine: self.cosine.iter().map(|c| -c).collect(),
-            sine: self.sine.iter().map(|s| -s).collect(),
-        };
-        let Extremum { phase, value } = negated.maximum();
-        Extremum { phase, value: -value }
+        self.negated().maximum().negated()
+    }
+
+    pub(super) fn negated(&self) -> Self {
+        let negated = |values: &[f64]| values.iter().map(|x| -x).collect();
+        Self { mean: -self.mean, cosine: negated(&self.cosine), sine: negated(&self.sine) }
     }
 
     pub(super) fn amplitudes(&self) -> Vec<f64> {
@@ -162,16 +150,6 @@ mod tests {
             // A grid misses at most ½ M₂ (step/2)² = 3e-7 for eight harmonics of amplitude √2.
             assert!(high >= top - 1e-9 && high - top < 1e-6, "{high} against {top}");
             assert!(low <= bottom + 1e-9 && bottom - low < 1e-6, "{low} against {bottom}");
-        }
-    }
-
-    #[test]
-    fn identity_derivative_matches_differences() {
-        let p = random(5, 99);
-        let d = p.derivative();
-        for k in 0..10 {
-            let (t, h) = (0.6 * f64::from(k), 1e-5);
-            assert!((d.value(t) - (p.value(t + h) - p.value(t - h)) / (2.0 * h)).abs() < 1e-7);
         }
     }
 }

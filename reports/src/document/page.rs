@@ -3,7 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::paragraph::{marked, printable};
-use super::{Block, Cell, Document, RenderedFigure, Section, Table};
+use super::{Block, Cell, Column, Document, RenderedFigure, Section, Table};
 use crate::DocumentError;
 
 /// Everything the page needs to look right: no font, script or image is fetched. Print keeps figures and rows whole and
@@ -172,6 +172,16 @@ fn render_table(table: &Table, number: usize) -> Markup {
     }
 }
 
+/// Numbers stand right; a short name is not broken at its hyphen.
+fn class_of(cell: &Cell, column: &Column) -> Option<&'static str> {
+    let is_name = |text: &str| text.len() <= 24 && text.contains('-') && !text.contains(' ');
+    match cell {
+        _ if column.numeric => Some("number"),
+        Cell::Text(text) if is_name(text) => Some("name"),
+        _ => None,
+    }
+}
+
 fn rows(table: &Table) -> Markup {
     html! {
         thead {
@@ -188,7 +198,7 @@ fn rows(table: &Table) -> Markup {
             @for cells in &table.rows {
                 tr {
                     @for (cell, column) in cells.iter().zip(&table.columns) {
-                        td class=[column.numeric.then_some("number")] {
+                        td class=[class_of(cell, column)] {
                             @match cell { Cell::Text(text) => (marked(text)), other => (other.written()) }
                         }
                     }

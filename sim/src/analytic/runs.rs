@@ -1,6 +1,6 @@
 //! Several runs of one arm, computed together.
 
-use armid::experiment::{ArmError, Cycle, Ending, ExperimentPlan, Next, Recording, Servo, Sink, WatchedRecorder};
+use armid::experiment::{ArmError, Cycle, Ending, ExperimentPlan, Next, Recorder, Recording, Servo, Sink};
 use armid::observer::{Observer, Unobserved};
 use armid::seed::RunNoise;
 
@@ -59,10 +59,9 @@ pub(crate) fn record_runs_watched(
     runs: &[BatchRun<'_>],
     observer: &dyn Observer,
 ) -> Vec<Result<(Recording, Ending), ArmError>> {
-    let mut recorders: Vec<WatchedRecorder<'_>> =
-        runs.iter().map(|run| WatchedRecorder::new(run.plan, observer)).collect();
+    let mut recorders: Vec<Recorder<'_>> = runs.iter().map(|_| Recorder::watched_by(observer)).collect();
     let endings = perform_runs(servo, runs, &mut recorders);
-    let recorded = |(recorder, ending): (WatchedRecorder<'_>, Result<Ending, ArmError>)| {
+    let recorded = |(recorder, ending): (Recorder<'_>, Result<Ending, ArmError>)| {
         ending.map(|ending| (recorder.into_recording().expect("a run that began has a recording"), ending))
     };
     recorders.into_iter().zip(endings).map(recorded).collect()

@@ -93,7 +93,8 @@ impl DesignAnswer {
     pub fn draw(&self, path: &Path) -> Result<Vec<PathBuf>, Error> {
         let robot = self.problem.robot().name();
         let joints: Vec<String> = self.problem.robot().joints().iter().map(|joint| joint.name.clone()).collect();
-        let example = LimitExample::of(self.problem.robot(), self.problem.limits().nominal(), &self.best.trajectory);
+        let example =
+            LimitExample::of(self.problem.robot(), self.problem.limits().nominal.as_ref(), &self.best.trajectory);
         let heading = Heading::new("limits", format!("{robot}: the design against its limits"))
             .subtitle(format!("one period, optimised for {}", self.best.criterion));
         let convergence = design_convergence(robot, &self.designs, self.baseline.as_ref());
@@ -119,14 +120,14 @@ impl DesignAnswer {
     /// What is held where a clearance is.
     pub fn clearance(&self) -> Option<HeldClearance<'_>> {
         let (robot, shapes) = (self.problem.robot(), &self.shapes);
-        self.problem.limits().clearance_m().map(|required_m| HeldClearance { robot, required_m, shapes })
+        self.problem.limits().clearance_m.map(|required_m| HeldClearance { robot, required_m, shapes })
     }
 
     /// Names of the effects that the criterion expects; `None` of one that expects none.
     fn expected_effects(&self) -> Option<Vec<&str>> {
         let objective = self.problem.objective();
-        let expected = objective.expected().filter(|_| objective.criterion().expects_effects())?;
-        Some(expected.effects().iter().map(|effect| effect.name.as_str()).collect())
+        let expected = objective.expected.as_ref().filter(|_| objective.criterion.expects_effects())?;
+        Some(expected.effects.iter().map(|effect| effect.name.as_str()).collect())
     }
 
     /// The heaviest load, and what it uses of torque and current.
@@ -154,8 +155,8 @@ impl Serialize for DesignAnswer {
             "remarks": self.remarks,
             "collision_shapes": self.clearance(),
             "criterion": best.criterion,
-            "columns": self.problem.objective().columns().to_string(),
-            "family": self.problem.space().family().name(),
+            "columns": self.problem.objective().columns.to_string(),
+            "family": self.problem.space().family.name(),
             "seed": self.seed,
             "value": best.value,
             "expected": self.expected_effects(),
@@ -175,7 +176,7 @@ impl Serialize for DesignAnswer {
             "weakest_all": certificate.weakest,
             "uncertainty_multiple": certificate.uncertainty_multiple,
             "efforts_inside": certificate.efforts_inside,
-            "clearance_required_m": self.problem.limits().clearance_m(),
+            "clearance_required_m": self.problem.limits().clearance_m,
             "payload": self.load_json(),
             "robot_sha256": certificate.robot_sha256,
             "trajectory_sha256": certificate.trajectory_sha256,

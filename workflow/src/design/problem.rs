@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use armid::base::{Method, reduce};
 use armid::excitation::criterion::PayloadOptimal;
-use armid::excitation::{Criterion, DesignBudget, DesignLimits, DesignProblem, DesignSpace, EvaluationMotions};
+use armid::excitation::{
+    Criterion, DesignBudget, DesignLimits, DesignProblem, DesignSpace, EvaluationMotions, ExpectedEffects,
+};
 use armid::experiment::Effects;
 use armid::input::size::{DESIGNS, HARMONICS, PERIOD_S};
 use armid::model::{Columns, Robot};
@@ -23,13 +25,14 @@ pub(super) fn problem(loaded: &LoadedRobot, settings: &DesignSettings) -> Result
     let mut limits =
         DesignLimits::of(&robot, nominal, loaded.uncertainty.as_ref(), &settings.limits).map_err(Error::of)?;
     if let DesignGoal::Load(load) = &settings.goal {
-        limits = limits.with_payload(load.body()?);
+        limits.payload = Some(load.body()?);
     }
     let criterion = criterion(&settings.goal, &robot, settings.columns)?;
     let mut problem = DesignProblem::new(robot, settings.columns, criterion, limits).map_err(Error::of)?;
     problem.set_space(space(settings, problem.robot())?).map_err(Error::of)?;
-    let budget = DesignBudget::new(settings.evaluations).map_err(Error::of)?;
-    problem.set_budget(settings.iterations.map_or(budget, |iterations| budget.with_iterations(iterations)));
+    let iterations = settings.iterations.unwrap_or(usize::MAX);
+    let budget = DesignBudget { evaluations: settings.evaluations, iterations, ..DesignBudget::default() };
+    problem.set_budget(budget).map_err(Error::of)?;
     // A load is estimated with rows that are weighted by their noise.
     let is_of_load = matches!(settings.goal, DesignGoal::Load(_));
     if settings.weighted || (is_of_load && effort_noise(problem.robot()).is_ok()) {
@@ -39,7 +42,7 @@ pub(super) fn problem(loaded: &LoadedRobot, settings: &DesignSettings) -> Result
         declare_use(&**criterion, settings, loaded, &mut problem)?;
     }
     if !settings.prior.is_empty() {
-        let criterion = problem.objective().criterion();
+        let criterion = &problem.objective().criterion;
         if !criterion.is_weighted() {
             let message = format!(
                 "earlier estimates with criterion {}, expected one of the information: d-optimal, a-optimal, e-optimal, \
@@ -71,14 +74,14 @@ fn space(settings: &DesignSettings, robot: &Robot) -> Result<DesignSpace, Error>
         [every] => vec![*every; robot.dof()],
         each => each.to_vec(),
     };
-    let mut space = DesignSpace::new(settings.family, settings.period_s, harmonics).map_err(Error::of)?;
+    let mut space = DesignSpace::new(settings.family, settings.period_s, harmonics);
     for (name, place) in &settings.frozen {
         let names: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
         let Some(index) = names.iter().position(|known| known == name) else {
             let message = format!("the joint to hold still is \"{name}\", expected one of {}", names.join(", "));
             return Err(Error::new(message));
         };
-        space = space.with_frozen(index, *place).map_err(Error::of)?;
+        space.frozen[index] = Some(*place);
     }
     Ok(space)
 }
@@ -137,7 +140,7 @@ fn declare_use(
     let effects = if declared.is_none() { Effects::expected_by(criterion) } else { declared };
     let expected = effects.expected(robot, nominal);
     let expected = expected.map_err(|error| Error::new(format!("expected effects: {error}")))?;
-    let expected = if criterion.predicts_measured_torque() { expected.carried() } else { expected };
+    let expected = ExpectedEffects { are_carried: criterion.predicts_measured_torque(), ..expected };
     problem.set_rows(rows).map_err(Error::of)?;
     problem.set_expected(expected).map_err(Error::of)
 }

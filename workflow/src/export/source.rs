@@ -88,7 +88,7 @@ pub fn export_source(
         operations: model.operations(),
         base: estimate.base.clone(),
         reload: Recomputed { states: STATES, largest_relative_difference: difference(&model, estimate, &base, robot) },
-        offset_in_gravity: model.offset_in_weight().iter().map(of).collect(),
+        offset_in_gravity: model.offset_in_weight.iter().map(of).collect(),
         remarks: loaded.remarks.clone(),
     })
 }

@@ -134,9 +134,7 @@ impl Arguments {
     fn simulated(&self, loaded: &LoadedRobot, load: Option<&Inertia>) -> Result<Samples> {
         let mut truth = loaded.truth()?;
         if let (Some(load), Some(last)) = (load, truth.parameters.links.last_mut()) {
-            last.mass += load.mass;
-            last.first_moment += load.first_moment;
-            last.rotational += load.rotational;
+            *last += *load;
         }
         let motion = trajectory::load(&self.trajectory, None, &loaded.robot)?;
         let plan = ExperimentPlan::new(motion).with_periods(self.periods);

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::base::BaseReduction;
+use crate::estimation::FactorisedBy;
 use crate::estimation::estimate::{BaseEstimate, Estimate, IntervalBasis, rows_of};
 use crate::estimation::termination::Termination;
 
@@ -33,6 +34,7 @@ pub(in crate::estimation) fn estimate_of(
         units: Vec::new(),
         condition: 1.0,
         condition_scaled: 1.0,
+        factorised_by: FactorisedBy::default(),
         interval_basis: IntervalBasis::Scatter,
         degrees_of_freedom: 100.0,
         samples: 1,

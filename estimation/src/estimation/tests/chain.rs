@@ -16,7 +16,7 @@ use crate::regressor::JointTorqueRegressor;
 use crate::seed::{Seed, Stream};
 use crate::signal::{
     AperiodicRecord, Derivatives, PeriodicRecord, Processing, Samples, SignalError, TorqueFilter, process_aperiodic,
-    process_periods, torque_per_current,
+    process_periods, torque_map,
 };
 
 /// Samples in one period of 10 s.
@@ -40,7 +40,7 @@ impl Arm {
 
     fn of(change: impl Fn(&mut StandardParameters)) -> Self {
         let (robot, parameters, regressor, base, samples) = a460_samples_of(LEN, change);
-        let per_torque = torque_per_current(&robot).try_inverse().unwrap();
+        let per_torque = torque_map(&robot, EffortInterface::Current).try_inverse().unwrap();
         let current = samples
             .tau
             .chunks_exact(6)

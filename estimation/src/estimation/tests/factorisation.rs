@@ -6,8 +6,8 @@ use rand::RngExt;
 use super::setting::{a460_samples, synthetic, white};
 use crate::estimation::StiffLoop;
 use crate::estimation::{
-    Estimate, EstimationError, EstimationProblem, EstimatorKind, Factorisation, Finding, Inference, Instruments,
-    IntervalBasis, Observation, Termination, residual_noise,
+    Estimate, EstimationError, EstimationProblem, EstimatorKind, Factorisation, FactorisedBy, Finding, Inference,
+    Instruments, IntervalBasis, Observation, Termination, residual_noise,
 };
 use crate::linalg::{BlockWhitening, LeastSquares, LeastSquaresError};
 use crate::seed::Seed;
@@ -133,6 +133,7 @@ fn analytic_an_ill_conditioned_recording_keeps_the_digits_that_normal_equations_
     observation.y = &observation.regressor * &beta;
     let equations = Factorisation::new(&observation).unwrap();
     assert!(equations.samples() < 100);
+    assert_eq!(equations.factorised_by(), FactorisedBy::Qr);
     for fit in [
         equations.least_squares().unwrap().clone(),
         equations.weighted(&BlockWhitening::new(&nalgebra::dmatrix![0.04, 0.012; 0.012, 0.01]).unwrap()).unwrap(),
@@ -141,6 +142,38 @@ fn analytic_an_ill_conditioned_recording_keeps_the_digits_that_normal_equations_
         assert!((fit.solution() - &beta).amax() < 1e-6, "{:e}", (fit.solution() - &beta).amax());
         assert!(fit.condition_scaled() > 1e8);
     }
+    // With a thousandth of noise too: the condition number alone forbids products.
+    observation.y.iter_mut().for_each(|y| *y += 1e-3 * rng.random_range(-1.0..1.0));
+    assert_eq!(Factorisation::new(&observation).unwrap().factorised_by(), FactorisedBy::Qr);
+}
+
+#[test]
+fn identity_products_move_no_estimate_by_more_than_was_bounded() {
+    // Noise from that of sensors down to none: the less there is, the more rounding counts.
+    let (robot, _, regressor, base, samples) = a460_samples(3500);
+    let exact = Observation::new(&robot, &regressor, &base, &samples).unwrap();
+    let inverse = exact.regressor.clone().pseudo_inverse(1e-14).unwrap();
+    let mut by = Vec::new();
+    for size in [1.0, 0.1, 1e-3, 1e-6, 0.0] {
+        let (mut observation, mut rng) = (exact.clone(), Seed::new(54).stream("noise", 0));
+        observation.y.iter_mut().for_each(|y| *y += size * rng.random_range(-1.0..1.0));
+        let equations = Factorisation::new(&observation).unwrap();
+        by.push(equations.factorised_by());
+        if equations.factorised_by() == FactorisedBy::NormalEquations {
+            let (ordinary, beta) = (equations.least_squares().unwrap(), &inverse * &observation.y);
+            let residual = observation.residual(ordinary.solution());
+            let found = equations.residual_products(ordinary.solution());
+            assert!((found.trace() / residual.norm_squared() - 1.0).abs() < 1e-4, "noise {size}");
+            // The noise is as large on every joint.
+            let std = size / 3.0_f64.sqrt();
+            for (j, row) in inverse.row_iter().enumerate() {
+                let moved = (ordinary.solution()[j] - beta[j]).abs() / (std * row.norm());
+                assert!(moved < 1e-4, "noise {size}, parameter {j}: {moved:e}");
+            }
+        }
+    }
+    assert_eq!((by[0], by[4]), (FactorisedBy::NormalEquations, FactorisedBy::Qr));
+    assert!(by.is_sorted_by_key(|by| *by == FactorisedBy::Qr), "{by:?}");
 }
 
 fn inferred(

@@ -8,36 +8,11 @@ use parry3d_f64::query::Contact;
 use parry3d_f64::query::details::{closest_points_segment_segment_with_locations, contact_support_map_support_map};
 use parry3d_f64::shape::{Cuboid as ParryCuboid, Segment, SupportMap};
 
-use crate::model::{Capsule, Obstacle, PointHull, Solid};
+use crate::model::{Capsule, PointHull, Solid};
 use crate::spatial::Placement;
 
 /// Beyond this, m, two bodies are not looked at more closely.
 const FAR: f64 = 1e6;
-
-/// Something that does not move, in the base frame.
-#[derive(Clone, Debug)]
-pub enum Still {
-    /// A body.
-    Body(Solid),
-    /// Everything with `normal · x < offset`.
-    HalfSpace {
-        /// Unit vector out of it.
-        normal: Vector3<f64>,
-        /// Where it ends along the normal, m.
-        offset: f64,
-    },
-}
-
-impl Still {
-    /// What an obstacle of a robot file is to a distance.
-    pub fn of(obstacle: &Obstacle) -> Self {
-        match obstacle {
-            Obstacle::Floor { z } => Self::HalfSpace { normal: Vector3::z(), offset: *z },
-            Obstacle::Plane { normal, offset, .. } => Self::HalfSpace { normal: *normal, offset: *offset },
-            Obstacle::Body { solid, .. } => Self::Body(solid.clone()),
-        }
-    }
-}
 
 /// How far two bodies are apart.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -63,7 +63,7 @@ impl ClearanceLimits {
         self.sampled.states(x, &mut states);
         let (count, pairs) = (states.len(), self.scene.pairs().len());
         let step = TAU / count as f64;
-        let half_s = 0.5 * step / self.sampled.basis().omega();
+        let half_s = 0.5 * step / self.sampled.basis.omega();
         let mut distances = vec![0.0; count * pairs];
         for k in 0..count {
             self.scene.place(states.q(k));
@@ -72,7 +72,7 @@ impl ClearanceLimits {
             }
         }
         self.dips.clear();
-        let trajectory = self.sampled.basis().trajectory(x);
+        let trajectory = self.sampled.basis.trajectory(x);
         let mut dips = Vec::new();
         for pair in 0..pairs {
             let at = |k: usize| distances[(k % count) * pairs + pair];
@@ -99,7 +99,7 @@ impl ClearanceLimits {
     fn refine(&mut self, motion: &dyn Trajectory, dip: Dip, step: f64) -> Dip {
         let n = motion.dof();
         let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-        let omega = self.sampled.basis().omega();
+        let omega = self.sampled.basis.omega();
         let scene = &mut self.scene;
         let nearness = |phase: f64| {
             motion.evaluate(phase / omega, &mut q, &mut qd, &mut qdd);
@@ -124,7 +124,7 @@ impl SmoothLimits for ClearanceLimits {
 
     fn linearise(&mut self, x: &[f64], rows: &mut Vec<SmoothRow>) {
         self.move_to(x);
-        let basis = self.sampled.basis();
+        let basis = &self.sampled.basis;
         let trajectory = basis.trajectory(x);
         let n = basis.dof();
         let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
@@ -157,7 +157,7 @@ mod tests {
     /// The A460 on a motion of the first guess that is `scale` times as large, watched on a grid of 200.
     fn watched(scale: f64, clearance: f64) -> (MotionBasis, Vec<f64>, ClearanceLimits) {
         let robot = chains::crs_a460();
-        let basis = MotionBasis::new(&robot, &DesignSpace::new(Family::Fourier, 10.0, vec![5; 6]).unwrap()).unwrap();
+        let basis = MotionBasis::new(&robot, &DesignSpace::new(Family::Fourier, 10.0, vec![5; 6])).unwrap();
         let start = radkhah2007_start(&robot, 10.0, 5, Seed::new(2), 1).unwrap().into();
         let x = basis.coefficients(&start).unwrap().iter().map(|x| scale * x).collect();
         let limits = ClearanceLimits::new(Scene::new(&robot), &basis, 200, clearance);

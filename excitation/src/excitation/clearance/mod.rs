@@ -16,7 +16,7 @@ mod touching;
 #[cfg(test)]
 mod hull_tests;
 
-pub use body::{Separation, Still};
+pub use body::Separation;
 pub use limits::ClearanceLimits;
 pub use scene::{Pair, Scene};
 pub use sweep::{CLEARANCE_TOLERANCE, WorstClearance, smallest_clearance};

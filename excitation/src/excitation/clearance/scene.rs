@@ -1,9 +1,11 @@
 //! The robot among what stands around it: which pairs of bodies can meet, where they are, and how their distance
 //! changes with the joints.
 
-use super::body::{Placed, Separation, Still};
+use nalgebra::Vector3;
+
+use super::body::{Placed, Separation};
 use crate::dynamics::LinkPose;
-use crate::model::{Joint, JointKind, Robot, Solid};
+use crate::model::{Joint, JointKind, Obstacle, Robot, Solid};
 use crate::spatial::Placement;
 
 /// What the second body of a pair may meet.
@@ -36,9 +38,7 @@ pub struct Scene {
     moving: Vec<LinkPose>,
     /// Link and shape of each body of the robot.
     bodies: Vec<(usize, Solid)>,
-    still: Vec<Still>,
-    names: Vec<String>,
-    still_names: Vec<String>,
+    obstacles: Vec<Obstacle>,
     pairs: Vec<Pair>,
     /// Pose of the base and of every link, at the last configuration.
     poses: Vec<Placement>,
@@ -61,9 +61,7 @@ impl Scene {
         let mut scene = Self {
             joints: robot.joints().to_vec(),
             moving: robot.joints().iter().take(bearing.last().map_or(0, |last| *last)).map(LinkPose::new).collect(),
-            names: bodies.iter().map(|body| robot.link_name(body.0).to_owned()).collect(),
-            still: robot.obstacles().iter().map(Still::of).collect(),
-            still_names: robot.obstacles().iter().map(|obstacle| obstacle.name().to_owned()).collect(),
+            obstacles: robot.obstacles().to_vec(),
             pairs: Vec::new(),
             poses: vec![Placement::identity(); n + 1],
             placed: bodies.iter().map(|(_, solid)| Placed::new(solid, &Placement::identity())).collect(),
@@ -79,7 +77,7 @@ impl Scene {
                 }
             }
             if outer > 0 {
-                for obstacle in 0..scene.still.len() {
+                for obstacle in 0..scene.obstacles.len() {
                     scene.add_pair(Partner::Still(obstacle), second, 0);
                 }
             }
@@ -129,11 +127,15 @@ impl Scene {
     /// What the two bodies of a pair are called: links by their joints, obstacles by their names.
     pub fn pair_names(&self, pair: usize) -> [String; 2] {
         let Pair { first, second, .. } = &self.pairs[pair];
-        let first = match first {
-            Partner::Body(body) => &self.names[*body],
-            Partner::Still(obstacle) => &self.still_names[*obstacle],
+        let link = |body: usize| match self.bodies[body].0 {
+            0 => "base",
+            link => &self.joints[link - 1].name,
         };
-        [first.clone(), self.names[*second].clone()]
+        let first = match first {
+            Partner::Body(body) => link(*body),
+            Partner::Still(obstacle) => self.obstacles[*obstacle].name(),
+        };
+        [first, link(*second)].map(str::to_owned)
     }
 
     /// Moves the robot to the joint coordinates `q` (n).
@@ -154,9 +156,10 @@ impl Scene {
         let second = &self.placed[*second];
         match first {
             Partner::Body(body) => self.placed[*body].separation(second),
-            Partner::Still(obstacle) => match &self.still[*obstacle] {
-                Still::Body(solid) => Placed::new(solid, &Placement::identity()).separation(second),
-                Still::HalfSpace { normal, offset } => second.above(normal, *offset),
+            Partner::Still(obstacle) => match &self.obstacles[*obstacle] {
+                Obstacle::Floor { z } => second.above(&Vector3::z(), *z),
+                Obstacle::Plane { normal, offset, .. } => second.above(normal, *offset),
+                Obstacle::Body { solid, .. } => Placed::new(solid, &Placement::identity()).separation(second),
             },
         }
     }

@@ -22,10 +22,6 @@ impl Criterion for AOptimal {
         IOptimal::default().evaluate(m, sensitivity)
     }
 
-    fn report(&self, value: f64) -> f64 {
-        libm::exp(value)
-    }
-
     fn is_weighted(&self) -> bool {
         true
     }

@@ -30,10 +30,6 @@ impl Criterion for Condition {
         log_condition(m, self.sharpness, sensitivity)
     }
 
-    fn report(&self, value: f64) -> f64 {
-        libm::exp(value)
-    }
-
     fn smoothed(&self, sharpness: f64) -> Option<Box<dyn Criterion>> {
         Some(Box::new(Self { sharpness: Some(sharpness) }))
     }

@@ -38,10 +38,6 @@ impl Criterion for ConditionInUnits {
         value
     }
 
-    fn report(&self, value: f64) -> f64 {
-        libm::exp(value)
-    }
-
     fn is_weighted(&self) -> bool {
         true
     }

@@ -43,10 +43,6 @@ impl Criterion for ConditionScaled {
         value
     }
 
-    fn report(&self, value: f64) -> f64 {
-        libm::exp(value)
-    }
-
     fn smoothed(&self, sharpness: f64) -> Option<Box<dyn Criterion>> {
         Some(Box::new(Self { sharpness: Some(sharpness) }))
     }

@@ -53,8 +53,10 @@ pub trait Criterion: fmt::Debug + Send + Sync {
     /// the symmetric S with `d value = tr(S dM)`. Infinite where M is not positive definite; S is zero there.
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score;
 
-    /// The reported number, from the value that is minimised.
-    fn report(&self, value: f64) -> f64;
+    /// The reported number, from the value that is minimised: by default that of which it is the logarithm.
+    fn report(&self, value: f64) -> f64 {
+        libm::exp(value)
+    }
 
     /// Whether the reported number is better the larger it is.
     fn is_larger_better(&self) -> bool {
@@ -209,7 +211,10 @@ mod tests {
         let mut rng = Seed::new(23).stream("stack", 0);
         let w = DMatrix::from_fn(30, 6, |_, j| rng.random_range(-1.0..1.0) * (1.0 + j as f64));
         let m = w.tr_mul(&w);
-        let value = |kind: CriterionKind| kind.report(kind.criterion().evaluate(&m, None).value);
+        let value = |kind: CriterionKind| {
+            let criterion = kind.criterion();
+            criterion.report(criterion.evaluate(&m, None).value)
+        };
         assert!((value(CriterionKind::Condition) / crate::linalg::condition(&w) - 1.0).abs() < 1e-12);
         assert!((value(CriterionKind::ConditionScaled) / crate::linalg::condition_scaled(&w) - 1.0).abs() < 1e-12);
         let log_det: f64 = crate::linalg::singular_values(&w).iter().map(|s| 2.0 * libm::log(*s)).sum();

@@ -44,10 +44,6 @@ impl Criterion for IOptimal {
         Score::exact(libm::log(trace))
     }
 
-    fn report(&self, value: f64) -> f64 {
-        libm::exp(value)
-    }
-
     fn is_weighted(&self) -> bool {
         true
     }

@@ -74,22 +74,6 @@ impl CriterionKind {
         let criterion = self.criterion();
         criterion.smoothed(sharpness).unwrap_or(criterion)
     }
-
-    /// Whether it is one of the information, as [`Criterion::is_weighted`].
-    pub fn is_weighted(self) -> bool {
-        self.criterion().is_weighted()
-    }
-
-    /// The reported number, from the value that is minimised: κ from ln κ, ln det M from −ln det M, tr M⁻¹ from
-    /// its logarithm, λ_min from −ln λ_min.
-    pub fn report(self, value: f64) -> f64 {
-        self.criterion().report(value)
-    }
-
-    /// Whether the reported number is better the larger it is.
-    pub fn is_larger_better(self) -> bool {
-        self.criterion().is_larger_better()
-    }
 }
 
 impl From<CriterionKind> for Arc<dyn Criterion> {
@@ -108,7 +92,8 @@ mod tests {
             assert_eq!(CriterionKind::parse(kind.name()), Some(kind));
             assert_eq!(kind.smooth(8.0).name(), kind.name());
             assert_eq!(serde_json::to_string(&kind).unwrap(), format!("\"{}\"", kind.name()));
-            assert_eq!(kind.is_larger_better(), kind.report(1.0) > kind.report(2.0));
+            let criterion = kind.criterion();
+            assert_eq!(criterion.is_larger_better(), criterion.report(1.0) > criterion.report(2.0));
         }
         assert_eq!(CriterionKind::parse("best"), None);
     }

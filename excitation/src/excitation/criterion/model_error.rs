@@ -183,10 +183,6 @@ impl Criterion for ModelError {
         Score::exact(value)
     }
 
-    fn report(&self, value: f64) -> f64 {
-        libm::exp(value)
-    }
-
     fn is_weighted(&self) -> bool {
         true
     }

@@ -113,11 +113,7 @@ pub(super) fn spectral(
                 }
             }
         }
-        for c in 0..b {
-            for r in c + 1..b {
-                s[(c, r)] = s[(r, c)];
-            }
-        }
+        s.fill_upper_triangle_with_lower_triangle();
     }
     value
 }

@@ -7,7 +7,7 @@
 //! friction turns within milliseconds; there, too, only the peak beside it counts.
 
 use super::channel::Channel;
-use super::model::EffortModel;
+use super::model::{EffortModel, Load};
 use super::worst::{Peak, Place, Survey, refine};
 use crate::excitation::basis::MotionBasis;
 use crate::optimiser::{Row, SmoothLimits, SmoothRow};
@@ -29,7 +29,7 @@ pub struct EffortLimits {
     at: Vec<f64>,
     peaks: Vec<Peak>,
     mean_squares: Vec<f64>,
-    loads: Vec<(f64, f64)>,
+    loads: Vec<Load>,
     /// Where the last motion that did not hold failed.
     failed: Option<Place>,
 }
@@ -107,35 +107,42 @@ impl EffortLimits {
             }
             self.mean_squares.push(survey.root_mean_square(c) / self.channels[c].continuous);
         }
-        let width = self.channels.len();
-        self.loads = (0..self.samples * width).map(|i| survey.period_load(i / width, i % width)).collect();
+        self.loads = survey.into_period_loads();
         self.at = x.to_vec();
     }
 
     /// Row of the root mean square of one channel.
     fn mean_square_row(&mut self, c: usize, x: &[f64]) -> Row {
         let trajectory = self.basis.trajectory(x);
-        let n = self.model.dof();
         let (width, count) = (self.channels.len(), self.samples);
         let limit = self.channels[c].continuous;
         let rms = self.mean_squares[c] * limit;
         let mut normal = vec![0.0; x.len()];
         for k in 0..count {
             let point = self.timeline.point(Segment::Period, k as f64 / count as f64);
-            self.model.move_to(&trajectory, self.basis.omega(), &point);
-            let (value, spread) = self.loads[k * width + c];
-            let scale = (value.abs() + spread) / (count as f64 * rms * limit);
-            let mut slopes = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
-            self.model.slopes(&self.channels[c], value.signum(), scale, &mut slopes);
-            self.add_row(&slopes, &point, &mut normal);
+            let load = self.loads[k * width + c];
+            let scale = load.largest() / (count as f64 * rms * limit);
+            self.add_row(c, load.value.signum(), scale, &trajectory, &point, &mut normal);
         }
         Row { start: 0, normal, bound: 1.0 - self.mean_squares[c] }
     }
 
-    fn add_row(&self, slopes: &[Vec<f64>; 3], point: &PathPoint, normal: &mut [f64]) {
-        let [dq, dqd, dqdd] = slopes;
+    /// Adds the gradient of `scale · (sign · value + spread)` of a channel's load at a point of the motion.
+    fn add_row(
+        &mut self,
+        channel: usize,
+        sign: f64,
+        scale: f64,
+        motion: &dyn Trajectory,
+        point: &PathPoint,
+        normal: &mut [f64],
+    ) {
+        let n = self.model.dof();
+        let [mut dq, mut dqd, mut dqdd] = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+        self.model.move_to(motion, self.basis.omega(), point);
+        self.model.slopes(&self.channels[channel], sign, scale, [&mut dq, &mut dqd, &mut dqdd]);
         let mut row = Vec::new();
-        for j in 0..self.model.dof() {
+        for j in 0..n {
             let weights = point.weights([dq[j], dqd[j], dqdd[j]]);
             self.basis.add_combined_row(j, point.phase, weights, &mut row, normal);
         }
@@ -158,15 +165,11 @@ impl SmoothLimits for EffortLimits {
     fn linearise(&mut self, x: &[f64], rows: &mut Vec<SmoothRow>) {
         self.look_at(x);
         let trajectory = self.basis.trajectory(x);
-        let n = self.model.dof();
         for peak in self.peaks.clone() {
             let point = self.timeline.point(peak.segment, peak.part);
-            self.model.move_to(&trajectory, self.basis.omega(), &point);
-            let channel = &self.channels[peak.channel];
-            let mut slopes = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
-            self.model.slopes(channel, peak.sign, 1.0 / channel.peak, &mut slopes);
+            let scale = 1.0 / self.channels[peak.channel].peak;
             let mut normal = vec![0.0; x.len()];
-            self.add_row(&slopes, &point, &mut normal);
+            self.add_row(peak.channel, peak.sign, scale, &trajectory, &point, &mut normal);
             rows.push(SmoothRow {
                 row: Row { start: 0, normal, bound: 1.0 - peak.ratio },
                 limit: 3 * peak.channel + usize::from(peak.sign > 0.0),
@@ -197,7 +200,7 @@ mod tests {
         let nominal = parse_nominal(bundled()[0].nominal, &robot).unwrap();
         let spread = ParameterSpread::of(&robot, &nominal.parameters, &nominal.relative_uncertainty, CONFIDENCE_95);
         let model = EffortModel::new(&robot, &nominal.parameters, Some(&spread));
-        let basis = MotionBasis::new(&robot, &DesignSpace::new(Family::Fourier, 10.0, vec![5; 6]).unwrap()).unwrap();
+        let basis = MotionBasis::new(&robot, &DesignSpace::new(Family::Fourier, 10.0, vec![5; 6])).unwrap();
         let start = radkhah2007_start(&robot, 10.0, 5, Seed::new(2), 1).unwrap().into();
         let x = basis.coefficients(&start).unwrap();
         let timeline = Timeline { period_s: 10.0, ramp_s: Some(1.0) };

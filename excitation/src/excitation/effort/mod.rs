@@ -7,7 +7,7 @@
 //! w picks a joint's torque, or a motor's current `i = (Cᵀ)⁻¹ τ / (N Kt)`; r is its rating, u the permitted part of it.
 //! With φ ~ N(φ̄, Σ_φ) the torque at any *one*
 //! instant stays on its side of the limit with probability Φ(k) at least (95 % for k = 1.645); how often no limit is
-//! passed at *any* instant is measured by drawing parameters, [`EffortModel::share_inside`]. With k = 0 the limits hold
+//! passed at *any* instant is measured by drawing parameters, [`InsideShare`]. With k = 0 the limits hold
 //! for the nominal parameters alone.
 
 mod channel;

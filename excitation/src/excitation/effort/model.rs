@@ -52,8 +52,8 @@ pub struct InsideShare {
 }
 
 impl InsideShare {
-    fn new(share: f64, draws: usize) -> Self {
-        let hits = (share * draws as f64).round() as usize;
+    fn new(hits: usize, draws: usize) -> Self {
+        let share = hits as f64 / draws as f64;
         let whole = Interval { low: 0.0, high: 1.0 };
         let Interval { low, high } = wilson_interval(hits, draws, 0.95).unwrap_or(whole);
         Self { share, draws, ci95: [low, high] }
@@ -172,7 +172,7 @@ impl EffortModel {
     }
 
     /// Adds `scale · ∂(sign · value + spread)/∂(q, q̇, q̈)` of the last channel to the slopes, n each.
-    pub(super) fn slopes(&mut self, channel: &Channel, sign: f64, scale: f64, slopes: &mut [Vec<f64>; 3]) {
+    pub(super) fn slopes(&mut self, channel: &Channel, sign: f64, scale: f64, slopes: [&mut [f64]; 3]) {
         let Load { spread, .. } = self.load(channel);
         self.fill_row(channel);
         let p = self.phi.len();
@@ -189,26 +189,11 @@ impl EffortModel {
         self.regressor.adjoint(q, qd, qdd, &self.g, dq, dqd, dqdd);
     }
 
-    /// [`Self::share_inside`] with its usual sizes and its interval.
+    /// Of sets of parameters drawn from the stated uncertainty, how many pass no peak limit of `channels` at any of some
+    /// instants of period and ramps: the share that all limits hold *together* and *at all times*.
     pub(crate) fn inside(&mut self, motion: &dyn Trajectory, timeline: Timeline, channels: &[Channel]) -> InsideShare {
-        let share = self.share_inside(motion, timeline, channels, INSIDE_SAMPLES, INSIDE_DRAWS, Seed::new(0));
-        InsideShare::new(share, INSIDE_DRAWS)
-    }
-
-    /// Of `draws` sets of parameters from the stated uncertainty, how many pass no peak limit of `channels` at any of
-    /// `samples` instants of period and ramps: the share that all limits hold *together* and *at all times*.
-    ///
-    /// Friction and rotor inertia that would come out negative count as zero.
-    pub fn share_inside(
-        &mut self,
-        motion: &dyn Trajectory,
-        timeline: Timeline,
-        channels: &[Channel],
-        samples: usize,
-        draws: usize,
-        seed: Seed,
-    ) -> f64 {
-        let mut rng = seed.stream("parameters within their uncertainty", 0);
+        let draws = INSIDE_DRAWS;
+        let mut rng = Seed::new(0).stream("parameters within their uncertainty", 0);
         // Parameter by parameter, so that all sets are looked at in one pass.
         let mut sets = vec![0.0; self.phi.len() * draws];
         for draw in 0..draws {
@@ -221,7 +206,7 @@ impl EffortModel {
         let mut efforts = vec![0.0; draws];
         let omega = std::f64::consts::TAU / timeline.period_s;
         for &segment in timeline.segments() {
-            let count = timeline.samples(segment, samples);
+            let count = timeline.samples(segment, INSIDE_SAMPLES);
             for k in 0..count {
                 self.move_to(motion, omega, &timeline.point(segment, k as f64 / count as f64));
                 for channel in channels.iter().filter(|channel| channel.peak.is_finite()) {
@@ -238,7 +223,7 @@ impl EffortModel {
                 }
             }
         }
-        inside.iter().filter(|inside| **inside).count() as f64 / draws as f64
+        InsideShare::new(inside.iter().filter(|inside| **inside).count(), draws)
     }
 }
 

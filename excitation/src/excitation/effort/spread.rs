@@ -28,17 +28,12 @@ impl ParameterSpread {
     pub fn of(robot: &Robot, nominal: &StandardParameters, shares: &RelativeUncertainty, multiple: f64) -> Self {
         use ParameterKind as Kind;
         let deviation = |id: ParameterId| {
-            let value = nominal.get(id).abs();
+            let (value, link) = (nominal.get(id).abs(), &nominal.links[id.index]);
             match id.kind {
                 Kind::M => shares.mass * value,
-                Kind::Mcx | Kind::Mcy | Kind::Mcz => {
-                    let ten = nominal.links[id.index].to_array();
-                    let length = (ten[1] * ten[1] + ten[2] * ten[2] + ten[3] * ten[3]).sqrt();
-                    shares.first_moment * length
-                }
+                Kind::Mcx | Kind::Mcy | Kind::Mcz => shares.first_moment * link.first_moment.norm(),
                 Kind::Ixx | Kind::Ixy | Kind::Ixz | Kind::Iyy | Kind::Iyz | Kind::Izz => {
-                    let ten = nominal.links[id.index].to_array();
-                    shares.inertia * (ten[4] + ten[7] + ten[9])
+                    shares.inertia * link.rotational.trace()
                 }
                 Kind::Term(term) => match term.entry().prior.of {
                     PriorOf::Value => shares.of(term) * value,

@@ -1,7 +1,7 @@
 //! The largest use of each effort limit over an experiment, refined in time.
 
 use super::channel::{Channel, EffortKind};
-use super::model::EffortModel;
+use super::model::{EffortModel, Load};
 use crate::excitation::limits::WorstUse;
 use crate::optimiser::climb;
 use crate::trajectory::{Segment, Timeline, Trajectory};
@@ -94,8 +94,8 @@ impl WorstEfforts {
 struct Sampled {
     segment: Segment,
     count: usize,
-    /// Nominal value and spread of every sample and channel.
-    loads: Vec<(f64, f64)>,
+    /// Of every sample and channel.
+    loads: Vec<Load>,
 }
 
 /// Efforts on a grid of all segments.
@@ -142,7 +142,7 @@ impl Survey {
                     if load.largest() > most * channel.peak {
                         return Err((segment, part));
                     }
-                    loads.push((load.value, load.spread));
+                    loads.push(load);
                 }
             }
             segments.push(Sampled { segment, count, loads });
@@ -157,7 +157,7 @@ impl Survey {
         for Sampled { segment, count, loads } in &self.segments {
             for sign in [1.0, -1.0] {
                 let own = loads.iter().skip(channel).step_by(width);
-                let ratios: Vec<f64> = own.map(|(value, spread)| (sign * value + spread) / limit).collect();
+                let ratios: Vec<f64> = own.map(|load| (sign * load.value + load.spread) / limit).collect();
                 let top = (0..*count).fold(0, |top, k| if ratios[k] > ratios[top] { k } else { top });
                 for k in 0..*count {
                     let here = ratios[k];
@@ -188,10 +188,7 @@ impl Survey {
     pub(super) fn root_mean_square(&self, channel: usize) -> f64 {
         let width = self.limits.len();
         let Sampled { count, loads, .. } = &self.segments[0];
-        let square = |k: usize| {
-            let (value, spread) = loads[k * width + channel];
-            (value.abs() + spread) * (value.abs() + spread)
-        };
+        let square = |k: usize| loads[k * width + channel].largest() * loads[k * width + channel].largest();
         ((0..*count).map(square).sum::<f64>() / *count as f64).sqrt()
     }
 
@@ -199,12 +196,12 @@ impl Survey {
     fn nominal_ratio(&self, channel: usize) -> f64 {
         let width = self.limits.len();
         let values = self.segments.iter().flat_map(|known| known.loads.iter().skip(channel).step_by(width));
-        values.map(|(value, _)| value.abs()).fold(0.0, f64::max) / self.limits[channel]
+        values.map(|load| load.value.abs()).fold(0.0, f64::max) / self.limits[channel]
     }
 
-    /// Nominal value and spread of a channel at sample k of the period.
-    pub(super) fn period_load(&self, k: usize, channel: usize) -> (f64, f64) {
-        self.segments[0].loads[k * self.limits.len() + channel]
+    /// The efforts at every sample of the period, of every channel.
+    pub(super) fn into_period_loads(mut self) -> Vec<Load> {
+        self.segments.swap_remove(0).loads
     }
 }
 
@@ -238,7 +235,7 @@ mod tests {
 
     #[test]
     fn a_step_is_that_of_its_own_segment_and_the_whole_of_one_that_is_not_there() {
-        let sampled = |segment, count| Sampled { segment, count, loads: vec![(3.0, 1.0); count] };
+        let sampled = |segment, count| Sampled { segment, count, loads: vec![Load { value: 3.0, spread: 1.0 }; count] };
         let survey =
             Survey { limits: vec![8.0], segments: vec![sampled(Segment::Period, 10), sampled(Segment::RampIn, 4)] };
         assert_eq!([Segment::Period, Segment::RampIn, Segment::RampOut].map(|of| survey.step(of)), [0.1, 0.25, 1.0]);

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::excitation::error::{ExcitationError, same_length};
+use crate::excitation::error::{ExcitationError, not_below_zero, same_length};
 use crate::model::{DriveParameters, StandardParameters};
 
 /// How an effect changes the torque of a motion.
@@ -40,10 +40,6 @@ impl EffectLaw {
 
     /// Checks that it is one of an arm of so many joints.
     fn check(&self, joints: usize) -> Result<(), ExcitationError> {
-        let size = |found: f64, quantity, unit| {
-            let holds = found.is_finite() && found >= 0.0;
-            if holds { Ok(()) } else { Err(ExcitationError::Negative { quantity, found, unit }) }
-        };
         match self {
             Self::Terms(drives) => same_length("drives of an expected effect", drives.len(), joints),
             Self::Elastic { compliance, with_link } => {
@@ -51,8 +47,8 @@ impl EffectLaw {
                 same_length("columns of a compliance", compliance.ncols(), joints)?;
                 same_length("drives of an expected effect", with_link.len(), joints)
             }
-            Self::Late(time) => size(*time, "lag of an expected effect", "s"),
-            Self::Scaled(share) => size(*share, "share of an expected effect", ""),
+            Self::Late(time) => not_below_zero("lag of an expected effect", *time, "s"),
+            Self::Scaled(share) => not_below_zero("share of an expected effect", *share, ""),
         }
     }
 }
@@ -66,44 +62,23 @@ pub struct ExpectedEffect {
     pub law: EffectLaw,
 }
 
-/// The effects that are expected of an arm, and the parameters by which their torque is found.
+/// The effects that are expected of an arm, and the parameters by which their torque is found. A design problem checks
+/// them when it takes them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExpectedEffects {
-    nominal: StandardParameters,
-    effects: Vec<ExpectedEffect>,
-    carried: bool,
+    /// The parameters.
+    pub nominal: StandardParameters,
+    /// The effects.
+    pub effects: Vec<ExpectedEffect>,
+    /// Whether the estimate is to predict the torque of the arm with its effects, as far as it can, or that without them.
+    pub are_carried: bool,
 }
 
 impl ExpectedEffects {
-    /// These effects on an arm with the `nominal` parameters; the estimate is to be that of the arm without them.
-    ///
-    /// # Errors
-    /// [`ExcitationError::Length`] if an effect is not one of as many joints as there are links,
-    /// [`ExcitationError::Negative`] if a size is below zero or no number.
-    pub fn new(nominal: StandardParameters, effects: Vec<ExpectedEffect>) -> Result<Self, ExcitationError> {
-        effects.iter().try_for_each(|effect| effect.law.check(nominal.links.len()))?;
-        Ok(Self { nominal, effects, carried: false })
-    }
-
-    /// Returns this effect where the estimate is to predict the torque of the arm with its effects, as far as it can.
-    #[must_use]
-    pub fn carried(self) -> Self {
-        Self { carried: true, ..self }
-    }
-
-    /// The parameters.
-    pub const fn nominal(&self) -> &StandardParameters {
-        &self.nominal
-    }
-
-    /// The effects.
-    pub fn effects(&self) -> &[ExpectedEffect] {
-        &self.effects
-    }
-
-    /// Whether the estimate is to predict torque with the effects.
-    pub const fn are_carried(&self) -> bool {
-        self.carried
+    /// Checks that they are those of an arm of so many joints.
+    pub(in crate::excitation) fn check(&self, joints: usize) -> Result<(), ExcitationError> {
+        same_length("nominal links of the expected effects", self.nominal.links.len(), joints)?;
+        self.effects.iter().try_for_each(|effect| effect.law.check(joints))
     }
 }
 

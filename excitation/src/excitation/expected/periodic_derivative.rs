@@ -45,9 +45,7 @@ impl PeriodicDerivative {
 
     /// The transpose of [`Self::of`].
     pub(super) fn transposed(&self, x: &[f64]) -> Vec<f64> {
-        let mut derivative = self.of(x);
-        derivative.iter_mut().for_each(|entry| *entry = -*entry);
-        derivative
+        self.of(x).into_iter().map(|entry| -entry).collect()
     }
 }
 

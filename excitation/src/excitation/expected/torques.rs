@@ -55,13 +55,13 @@ pub struct EffectTorques {
 impl EffectTorques {
     /// Of motions of `robot` with `samples` samples of a period of `period_s` s.
     pub fn new(robot: &Robot, expected: &ExpectedEffects, samples: usize, period_s: f64) -> Self {
-        let nominal = expected.nominal();
+        let nominal = &expected.nominal;
         let columns = Columns::RIGID_ROTOR_FRICTION.and_those_of(nominal);
         let regressor = JointTorqueRegressor::with_load(robot, columns, nominal);
         let phi = nominal.vector(robot, columns).as_slice().to_vec();
         let rigid = 10 * robot.dof();
         let links = phi.iter().enumerate().map(|(c, &value)| if c < rigid { value } else { 0.0 }).collect();
-        let laws: Vec<EffectLaw> = expected.effects().iter().map(|effect| effect.law.clone()).collect();
+        let laws: Vec<EffectLaw> = expected.effects.iter().map(|effect| effect.law.clone()).collect();
         let terms = laws.iter().filter_map(|law| match law {
             EffectLaw::Terms(drives) => Some(BoundTerms::new(robot, drives)),
             _ => None,
@@ -98,7 +98,7 @@ impl EffectTorques {
     pub fn evaluate(&mut self, states: &States) -> DMatrix<f64> {
         assert_eq!(states.len(), self.samples, "samples of the motion");
         let n = self.regressor.rows();
-        self.find_torques(states);
+        (self.torque, self.load) = self.torques(states);
         let effects = self.effects();
         let mut d = DMatrix::zeros(n * self.samples, effects.last().map_or(0, |last| last.end));
         let mut terms = self.terms.iter();
@@ -115,11 +115,8 @@ impl EffectTorques {
                     let of_links = self.behind(states, compliance);
                     let (torque, load) = self.torques(&of_links);
                     for (row, out) in column.iter_mut().enumerate() {
-                        *out = if with_link[row % n] {
-                            torque[row] - self.torque[row]
-                        } else {
-                            load[row] - self.load[row]
-                        };
+                        let whole = torque[row] - self.torque[row];
+                        *out = if with_link[row % n] { whole } else { load[row] - self.load[row] };
                     }
                 }
                 EffectLaw::Late(time) => {
@@ -140,7 +137,7 @@ impl EffectTorques {
     /// Adds the gradient of `Σ u ∘ d` with respect to the states of the last evaluation, which must be handed in again; `u`
     /// has the shape of d.
     pub fn pull_back(&self, states: &States, u: &DMatrix<f64>, slopes: &mut States) {
-        let (n, p) = (self.regressor.rows(), self.regressor.cols());
+        let n = self.regressor.rows();
         // What the torque of all parameters, and of the links, is weighted by.
         let (mut by_torque, mut by_load) = (vec![0.0; n * self.samples], vec![0.0; n * self.samples]);
         let mut terms = self.terms.iter();
@@ -210,7 +207,6 @@ impl EffectTorques {
                 }
             }
         }
-        debug_assert_eq!(p, self.phi.len());
         self.add_adjoint(states, &by_torque, &by_load, slopes);
     }
 
@@ -227,11 +223,6 @@ impl EffectTorques {
         let second = self.derivative.of(&rate);
         let less = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x - y).collect();
         States { dof: n, q: less(&states.q, &bend), qd: less(&states.qd, &rate), qdd: less(&states.qdd, &second) }
-    }
-
-    fn find_torques(&mut self, states: &States) {
-        let (torque, load) = self.torques(states);
-        (self.torque, self.load) = (torque, load);
     }
 
     /// Torque by all parameters and by those of the links, N × n.
@@ -293,6 +284,7 @@ mod tests {
     use crate::model::DriveParameters;
     use crate::model::term::{LOAD_FRICTION, STRIBECK};
     use crate::seed::Seed;
+    use crate::trajectory::PeriodicMotion;
     use rand::RngExt;
 
     const SAMPLES: usize = 64;
@@ -337,7 +329,7 @@ mod tests {
     fn identity_terms_add_what_inverse_dynamics_adds_with_them() {
         for coupled in [false, true] {
             let (robot, parameters, states) = case(coupled);
-            let expected = ExpectedEffects::new(parameters.clone(), effects(3)).unwrap();
+            let expected = ExpectedEffects { nominal: parameters.clone(), effects: effects(3), are_carried: false };
             let d = EffectTorques::new(&robot, &expected, SAMPLES, PERIOD_S).evaluate(&states);
             let mut with = parameters.clone();
             for drive in &mut with.drives {
@@ -371,14 +363,8 @@ mod tests {
         let load = torque(robot, &parameters.links_alone(), of_links);
         let start = radkhah2007_start(robot, PERIOD_S, 2, Seed::new(71), 0).unwrap();
         let wound = |t: f64| -> Vec<f64> {
-            let state = |order: usize| -> Vec<f64> {
-                let curve = |j: usize| match order {
-                    0 => start.position(j),
-                    1 => start.velocity(j),
-                    _ => start.acceleration(j),
-                };
-                (0..n).map(|j| curve(j).value(start.omega() * t)).collect()
-            };
+            let state =
+                |order: usize| -> Vec<f64> { (0..n).map(|j| start.curve(j, order).value(start.omega() * t)).collect() };
             let mut tau = vec![0.0; n];
             Dynamics::new(robot, &parameters.links_alone()).inverse(&state(0), &state(1), &state(2), &mut tau);
             (0..n).map(|i| (0..n).map(|j| compliance[(i, j)] * tau[j]).sum()).collect()
@@ -395,8 +381,8 @@ mod tests {
             }
         }
         let law = EffectLaw::Elastic { compliance, with_link: vec![false; n] };
-        let expected =
-            ExpectedEffects::new(parameters.clone(), vec![ExpectedEffect { name: "e".to_owned(), law }]).unwrap();
+        let effects = vec![ExpectedEffect { name: "e".to_owned(), law }];
+        let expected = ExpectedEffects { nominal: parameters.clone(), effects, are_carried: false };
         let d = EffectTorques::new(robot, &expected, SAMPLES, PERIOD_S).evaluate(&motors);
         let by_motors = torque(robot, &parameters.links_alone(), &motors);
         let exact: Vec<f64> = load.iter().zip(&by_motors).map(|(load, by_motors)| load - by_motors).collect();
@@ -409,7 +395,7 @@ mod tests {
     fn identity_gradient_is_central_differences() {
         for coupled in [false, true] {
             let (robot, parameters, states) = case(coupled);
-            let expected = ExpectedEffects::new(parameters, effects(3)).unwrap();
+            let expected = ExpectedEffects { nominal: parameters, effects: effects(3), are_carried: false };
             let mut torques = EffectTorques::new(&robot, &expected, SAMPLES, PERIOD_S);
             let mut rng = Seed::new(72).stream("weights", u64::from(coupled));
             let d = torques.evaluate(&states);

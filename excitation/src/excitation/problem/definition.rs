@@ -6,13 +6,13 @@ use nalgebra::DMatrix;
 
 use super::budget::DesignBudget;
 use super::limits::DesignLimits;
-use super::objective::DesignObjective;
+use super::objective::{DesignObjective, check_prior};
 use super::space::DesignSpace;
 use crate::base::BaseReduction;
 use crate::excitation::basis::MotionBasis;
 use crate::excitation::criterion::Criterion;
 use crate::excitation::effort::{Channel, EffortModel, WorstEfforts};
-use crate::excitation::error::ExcitationError;
+use crate::excitation::error::{ExcitationError, above_zero, at_least_one, same_length};
 use crate::excitation::evaluation::EvaluationMotions;
 use crate::excitation::expected::ExpectedEffects;
 use crate::excitation::start::series_start;
@@ -31,9 +31,10 @@ use crate::trajectory::{Family, PeriodicTrajectory, Timeline};
 /// let limits = DesignLimits::of_motion();
 /// let mut problem = DesignProblem::new(robot, Columns::RIGID_ROTOR_FRICTION, CriterionKind::Condition, limits).unwrap();
 /// assert_eq!(problem.base().rank(), 58);
-/// assert_eq!((problem.space().period_s(), problem.space().harmonics()[0]), (10.0, 5));
-/// problem.set_budget(DesignBudget::new(60).unwrap());
-/// let held_still = problem.space().clone().with_frozen(3, 0.2).unwrap();
+/// assert_eq!((problem.space().period_s, problem.space().harmonics[0]), (10.0, 5));
+/// problem.set_budget(DesignBudget { evaluations: 60, ..DesignBudget::default() }).unwrap();
+/// let mut held_still = problem.space().clone();
+/// held_still.frozen[3] = Some(0.2);
 /// problem.set_space(held_still).unwrap();
 /// // Friction of a joint at rest is not revealed.
 /// assert!(problem.base().rank() < 58);
@@ -46,8 +47,8 @@ pub struct DesignProblem {
     basis: MotionBasis,
     limits: DesignLimits,
     /// The robot with position limits that keep the margin from its own.
-    inner_robot: Robot,
-    objective: DesignObjective,
+    pub(crate) inner_robot: Robot,
+    pub(crate) objective: DesignObjective,
     budget: DesignBudget,
 }
 
@@ -73,7 +74,7 @@ impl DesignProblem {
         limits: DesignLimits,
     ) -> Result<Self, ExcitationError> {
         let objective = DesignObjective::new(&robot, columns, criterion.into())?;
-        let space = DesignSpace::new(Family::Fourier, PERIOD_S, vec![HARMONICS; robot.dof()])?;
+        let space = DesignSpace::new(Family::Fourier, PERIOD_S, vec![HARMONICS; robot.dof()]);
         let basis = MotionBasis::new(&robot, &space)?;
         let inner_robot = limits.inner_robot(&robot)?;
         let mut problem = Self { robot, space, basis, limits, inner_robot, objective, budget: DesignBudget::default() };
@@ -90,7 +91,7 @@ impl DesignProblem {
     /// was.
     pub fn set_space(&mut self, space: DesignSpace) -> Result<(), ExcitationError> {
         let basis = MotionBasis::new(&self.robot, &space)?;
-        let objective = if space.frozen() == self.space.frozen() {
+        let objective = if space.frozen == self.space.frozen {
             self.objective.clone()
         } else {
             self.objective.in_space(&self.robot, &space)?
@@ -104,13 +105,14 @@ impl DesignProblem {
     /// Holds other limits.
     ///
     /// # Errors
-    /// [`ExcitationError::Length`] if nominal parameters, their uncertainty or position margins are not those of the robot,
+    /// [`ExcitationError`] if a limit is no number or outside its range, [`ExcitationError::Length`] if nominal parameters,
+    /// their uncertainty or position margins are not those of the robot,
     /// [`ExcitationError::PositionMargin`] if a margin leaves a joint no range. The problem is then as it was.
     pub fn set_limits(&mut self, limits: DesignLimits) -> Result<(), ExcitationError> {
         self.inner_robot = limits.inner_robot(&self.robot)?;
         self.limits = limits;
         // Nothing else that a criterion is told depends on the nominal parameters.
-        if self.objective.columns().beyond_motion().is_some() { self.declare() } else { Ok(()) }
+        if self.objective.columns.beyond_motion().is_some() { self.declare() } else { Ok(()) }
     }
 
     /// The regressor of a robot, this one or one like it; friction of the load by the nominal parameters.
@@ -118,9 +120,9 @@ impl DesignProblem {
     /// # Errors
     /// [`ExcitationError::Columns`] where a column depends on more than the motion and there are no nominal parameters.
     pub fn regressor(&self, robot: &Robot) -> Result<JointTorqueRegressor, ExcitationError> {
-        let columns = self.objective.columns();
+        let columns = self.objective.columns;
         columns.check_estimable()?;
-        Ok(match self.limits.nominal() {
+        Ok(match &self.limits.nominal {
             Some(nominal) => JointTorqueRegressor::with_load(robot, columns, nominal),
             None => JointTorqueRegressor::new(robot, columns)?,
         })
@@ -129,7 +131,7 @@ impl DesignProblem {
     /// Tells the criterion what the estimate is for.
     fn declare(&mut self) -> Result<(), ExcitationError> {
         // Nominal parameters may be said later.
-        if self.objective.columns().beyond_motion().is_some() && self.limits.nominal().is_none() {
+        if self.objective.columns.beyond_motion().is_some() && self.limits.nominal.is_none() {
             return Ok(());
         }
         let regressor = self.regressor(&self.robot)?;
@@ -137,16 +139,14 @@ impl DesignProblem {
     }
 
     /// Searches for longer or shorter.
-    pub const fn set_budget(&mut self, budget: DesignBudget) {
-        self.budget = budget;
-    }
-
-    /// Takes the criterion on at least this many samples of one period.
     ///
     /// # Errors
-    /// [`ExcitationError::TooFew`] of none.
-    pub const fn set_samples(&mut self, samples: usize) -> Result<(), ExcitationError> {
-        self.objective.set_samples(samples)
+    /// [`ExcitationError::TooFew`] of no evaluations or no certificate samples.
+    pub fn set_budget(&mut self, budget: DesignBudget) -> Result<(), ExcitationError> {
+        at_least_one("evaluations", budget.evaluations)?;
+        at_least_one("certificate samples", budget.certificate_samples)?;
+        self.budget = budget;
+        Ok(())
     }
 
     /// Weights the rows of each joint by the noise of its torque, N·m (n), where the criterion weights rows.
@@ -155,7 +155,10 @@ impl DesignProblem {
     /// [`ExcitationError::Length`] if it is not one for each joint, [`ExcitationError::NotPositive`] if one is no finite number
     /// above zero.
     pub fn set_noise(&mut self, noise: Vec<f64>) -> Result<(), ExcitationError> {
-        self.objective.set_noise(self.robot.dof(), noise)
+        same_length("noise levels", noise.len(), self.robot.dof())?;
+        noise.iter().try_for_each(|&level| above_zero("a noise level", level, "N·m"))?;
+        self.objective.noise = Some(noise);
+        Ok(())
     }
 
     /// Judges predictions on these motions, in place of [`EvaluationMotions::usual`]; for the criteria that ask what the
@@ -164,22 +167,26 @@ impl DesignProblem {
     /// # Errors
     /// [`ExcitationError::Length`] if they are of another number of joints.
     pub fn set_evaluation(&mut self, motions: EvaluationMotions) -> Result<(), ExcitationError> {
-        self.objective.set_evaluation(self.robot.dof(), motions)?;
+        same_length("joints of the evaluation motions", motions.joints(), self.robot.dof())?;
+        self.objective.evaluation = Some(motions);
         self.declare()
     }
 
     /// Adds errors of unlike parameters in these units, in place of the usual ones, in
     /// [`Certificate::bias_susceptibility`](crate::excitation::Certificate::bias_susceptibility).
     pub fn set_reference_units(&mut self, units: ReferenceUnits) {
-        self.objective.set_reference_units(units);
+        self.objective.reference_units = units;
+        self.objective = self.objective.clone().told_units();
     }
 
     /// Expects these effects of the arm, for the criteria that do; none unless said.
     ///
     /// # Errors
-    /// [`ExcitationError::Length`] if they are of another number of joints.
+    /// [`ExcitationError::Length`] if they are of another number of joints, [`ExcitationError::Negative`] if a size is below
+    /// zero or no number.
     pub fn set_expected(&mut self, expected: ExpectedEffects) -> Result<(), ExcitationError> {
-        self.objective.set_expected(self.robot.dof(), expected)?;
+        expected.check(self.robot.dof())?;
+        self.objective.expected = Some(expected);
         self.declare()
     }
 
@@ -189,7 +196,8 @@ impl DesignProblem {
     /// # Errors
     /// [`ExcitationError::NotPositive`] if it is no finite number above zero.
     pub fn set_rows(&mut self, rows: f64) -> Result<(), ExcitationError> {
-        self.objective.set_rows(rows)?;
+        above_zero("number of torque rows of the experiment", rows, "")?;
+        self.objective.rows = Some(rows);
         self.declare()
     }
 
@@ -199,7 +207,9 @@ impl DesignProblem {
     /// [`ExcitationError::PriorSize`] if it is not on the base parameters, [`ExcitationError::NotFinite`] if an entry is no
     /// number.
     pub fn set_prior(&mut self, prior: DMatrix<f64>) -> Result<(), ExcitationError> {
-        self.objective.set_prior(prior)
+        check_prior(&prior, self.base())?;
+        self.objective.prior = Some(prior);
+        Ok(())
     }
 
     /// Takes what earlier experiments have shown as known: their `information` of the base parameters (b × b, Σ of the
@@ -219,12 +229,10 @@ impl DesignProblem {
         noise: &[f64],
         equations: usize,
     ) -> Result<(), ExcitationError> {
-        let joints = self.robot.dof();
-        let mut objective = self.objective.clone();
-        objective.set_noise(joints, noise.to_vec())?;
-        objective.set_prior(information / (joints * equations) as f64)?;
-        self.objective = objective;
-        Ok(())
+        let prior = information / (self.robot.dof() * equations) as f64;
+        check_prior(&prior, self.base())?;
+        self.set_noise(noise.to_vec())?;
+        self.set_prior(prior)
     }
 
     /// The robot, with its limits.
@@ -254,7 +262,7 @@ impl DesignProblem {
 
     /// The base parameters that the joints which move can show.
     pub const fn base(&self) -> &BaseReduction {
-        self.objective.base()
+        &self.objective.base
     }
 
     /// How long the search may take.
@@ -265,7 +273,7 @@ impl DesignProblem {
     /// Samples of one period in the criterion: as many as were asked for, and four for each period of the highest
     /// harmonic at least.
     pub fn samples(&self) -> usize {
-        self.objective.samples().max(SAMPLES_PER_HARMONIC * self.space.highest_harmonic())
+        self.objective.samples.max(SAMPLES_PER_HARMONIC * self.space.highest_harmonic())
     }
 
     /// The first guess number `index` of this problem: `radkhah2007`'s for a Fourier series, else the trajectory of the
@@ -274,35 +282,34 @@ impl DesignProblem {
     /// # Errors
     /// [`ExcitationError`] if no joint has a harmonic.
     pub fn start(&self, seed: Seed, index: u64) -> Result<PeriodicTrajectory, ExcitationError> {
-        let series = series_start(&self.robot, self.space.period_s(), self.space.harmonics(), seed, index)?;
+        let series = series_start(&self.robot, self.space.period_s, &self.space.harmonics, seed, index)?;
         Ok(self.basis.trajectory(&self.basis.nearest(&series)?))
     }
 
     /// The segments of the experiment in which limits hold, around a motion of this period (s).
     pub fn timeline(&self, period_s: f64) -> Timeline {
-        Timeline { period_s, ramp_s: self.limits.ramp_s() }
+        Timeline { period_s, ramp_s: self.limits.ramp_s }
     }
 
     /// The efforts by the nominal parameters; `None` without them.
     pub fn efforts(&self) -> Option<EffortModel> {
-        self.limits.efforts(&self.robot)
+        let DesignLimits { nominal, spread, .. } = &self.limits;
+        nominal.as_ref().map(|nominal| EffortModel::new(&self.robot, nominal, spread.as_ref()))
     }
 
     /// The efforts with the payload; `None` without nominal parameters or payload.
     pub fn payload_efforts(&self) -> Option<EffortModel> {
-        self.limits.payload_efforts(&self.robot)
+        let DesignLimits { nominal, payload, spread, .. } = &self.limits;
+        let (mut loaded, payload) = (nominal.clone()?, payload.as_ref()?);
+        *loaded.links.last_mut()? += *payload;
+        Some(EffortModel::new(&self.robot, &loaded, spread.as_ref()))
     }
 
     /// The largest uses of torque and current by a motion with the payload, over its period and ramps.
     pub fn payload_use(&self, trajectory: &PeriodicTrajectory) -> Option<WorstEfforts> {
         let (mut model, timeline) = (self.payload_efforts()?, self.timeline(trajectory.period_s()));
-        let samples = self.budget.certificate_samples();
+        let samples = self.budget.certificate_samples;
         Some(WorstEfforts::of(&mut model, &Channel::all(&self.robot), trajectory, timeline, samples))
-    }
-
-    /// The robot with position limits that keep the margin from its own.
-    pub(crate) const fn inner_robot(&self) -> &Robot {
-        &self.inner_robot
     }
 }
 
@@ -316,9 +323,9 @@ mod tests {
         let mut problem =
             DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::DOptimal, DesignLimits::of_motion())
                 .unwrap();
-        problem.set_space(DesignSpace::new(family, 10.0, vec![5, 5, 5, 3, 3, 3]).unwrap()).unwrap();
-        problem.set_samples(60).unwrap();
-        problem.set_budget(DesignBudget::new(evaluations).unwrap());
+        problem.set_space(DesignSpace::new(family, 10.0, vec![5, 5, 5, 3, 3, 3])).unwrap();
+        problem.objective.samples = 60;
+        problem.set_budget(DesignBudget { evaluations, ..DesignBudget::default() }).unwrap();
         problem
     }
 
@@ -352,11 +359,12 @@ mod tests {
             DesignLimits::of_motion(),
         )
         .unwrap();
-        problem.set_samples(60).unwrap();
-        problem.set_budget(DesignBudget::new(40).unwrap());
+        problem.objective.samples = 60;
+        problem.set_budget(DesignBudget { evaluations: 40, ..DesignBudget::default() }).unwrap();
         let all = problem.base().rank();
         let space = problem.space().clone();
-        problem.set_space(space.with_frozen(3, 0.2).unwrap().with_frozen(5, -0.1).unwrap()).unwrap();
+        let frozen = vec![None, None, None, Some(0.2), None, Some(-0.1)];
+        problem.set_space(DesignSpace { frozen, ..space }).unwrap();
         // The bodies still show in the torque of the joints at rest; their viscous and Coulomb friction does not.
         assert!(problem.base().rank() <= all - 4, "{} of {all}", problem.base().rank());
         assert!(problem.base().names().iter().all(|name| !["Fv4", "Fc4", "Fv6", "Fc6"].contains(&name.as_str())));
@@ -365,9 +373,11 @@ mod tests {
         let states = made.trajectory.sample(50);
         assert!((0..50).all(|k| states.q(k)[3] == 0.2 && states.q(k)[5] == -0.1 && states.qd(k)[3] == 0.0));
         let before = problem.space().clone();
-        let error = problem.set_space(before.clone().with_frozen(3, 9.0).unwrap()).unwrap_err();
+        let mut outside = before.clone();
+        outside.frozen[3] = Some(9.0);
+        let error = problem.set_space(outside).unwrap_err();
         assert!(error.to_string().contains("frozen position of joint"), "{error}");
-        assert_eq!(problem.space().frozen(), before.frozen());
+        assert_eq!(problem.space().frozen, before.frozen);
     }
 
     #[test]
@@ -380,7 +390,7 @@ mod tests {
         // 500 equations of each joint: what such an experiment contains in all.
         let alone = problem.clone();
         problem.set_collected(&(&m * (6.0 * 500.0)), &noise, 500).unwrap();
-        let prior = problem.objective().prior().unwrap().clone();
+        let prior = problem.objective().prior.as_ref().unwrap().clone();
         assert!((&prior - &m).norm() < 1e-12 * m.norm());
         let mut objective = crate::excitation::InformationObjective::of(&problem, 4.0).unwrap();
         let x = problem.basis().coefficients(&start).unwrap();

@@ -10,7 +10,7 @@ use super::space::DesignSpace;
 use crate::base::{BaseReduction, Method, reduce, reduce_on};
 use crate::dynamics::States;
 use crate::excitation::criterion::Criterion;
-use crate::excitation::error::{ExcitationError, above_zero, same_length};
+use crate::excitation::error::{ExcitationError, finite};
 use crate::excitation::evaluation::EvaluationMotions;
 use crate::excitation::expected::ExpectedEffects;
 use crate::model::{Columns, ReferenceUnits, Robot};
@@ -30,16 +30,24 @@ const RECORDED_PERIODS: f64 = 10.0;
 /// changed through [`DesignProblem`](super::DesignProblem), whose robot and space it fits.
 #[derive(Clone, Debug)]
 pub struct DesignObjective {
-    columns: Columns,
-    base: BaseReduction,
-    criterion: Arc<dyn Criterion>,
-    samples: usize,
-    noise: Option<Vec<f64>>,
-    prior: Option<DMatrix<f64>>,
-    evaluation: Option<EvaluationMotions>,
-    expected: Option<ExpectedEffects>,
-    rows: Option<f64>,
-    reference_units: ReferenceUnits,
+    /// Which parameters are to be estimated.
+    pub columns: Columns,
+    /// Their base for the joints that move: the criterion is that of its kept columns.
+    pub base: BaseReduction,
+    /// What is minimised.
+    pub criterion: Arc<dyn Criterion>,
+    pub(crate) samples: usize,
+    /// Noise of each joint's torque, N·m (n), for the criteria that weight rows; all 1 without it.
+    pub noise: Option<Vec<f64>>,
+    /// Information already collected, b × b per torque row of one period, weighted by the same noise; for the criteria
+    /// that weight rows.
+    pub prior: Option<DMatrix<f64>>,
+    pub(super) evaluation: Option<EvaluationMotions>,
+    /// Effects that the criterion expects, where it does.
+    pub expected: Option<ExpectedEffects>,
+    pub(super) rows: Option<f64>,
+    /// Units in which errors of unlike parameters are added: by a certificate, and by a criterion that asks for units.
+    pub reference_units: ReferenceUnits,
 }
 
 impl DesignObjective {
@@ -61,83 +69,23 @@ impl DesignObjective {
         Ok(objective.told_units())
     }
 
-    /// Which parameters are to be estimated.
-    pub const fn columns(&self) -> Columns {
-        self.columns
-    }
-
-    /// Their base for the joints that move: the criterion is that of its kept columns.
-    pub const fn base(&self) -> &BaseReduction {
-        &self.base
-    }
-
-    /// What is minimised.
-    pub fn criterion(&self) -> &dyn Criterion {
-        &*self.criterion
-    }
-
     /// The criterion as the optimiser sees it: smoothed to `sharpness` where it has kinks.
     pub(crate) fn smoothed(&self, sharpness: f64) -> Arc<dyn Criterion> {
         self.criterion.smoothed(sharpness).map_or_else(|| Arc::clone(&self.criterion), Arc::from)
     }
 
-    /// Samples of one period that were asked for.
-    pub(super) const fn samples(&self) -> usize {
-        self.samples
-    }
-
-    /// Noise of each joint's torque, N·m (n), for the criteria that weight rows; all 1 without it.
-    pub fn noise(&self) -> Option<&[f64]> {
-        self.noise.as_deref()
-    }
-
-    /// Information already collected, b × b per torque row of one period, weighted by the same noise; for the criteria
-    /// that weight rows.
-    pub const fn prior(&self) -> Option<&DMatrix<f64>> {
-        self.prior.as_ref()
-    }
-
-    /// Effects that the criterion expects, where it does.
-    pub const fn expected(&self) -> Option<&ExpectedEffects> {
-        self.expected.as_ref()
-    }
-
-    /// Units in which errors of unlike parameters are added: by a certificate, and by a criterion that asks for units.
-    pub const fn reference_units(&self) -> &ReferenceUnits {
-        &self.reference_units
-    }
-
-    pub(super) fn set_reference_units(&mut self, units: ReferenceUnits) {
-        self.reference_units = units;
-        *self = self.clone().told_units();
+    /// Unit of each base parameter.
+    pub(crate) fn units(&self) -> Vec<f64> {
+        let unit = |&column: &usize| self.reference_units.of(self.base.parameters[column].kind);
+        self.base.kept.iter().map(unit).collect()
     }
 
     /// With the unit of each base parameter told to a criterion that asks.
-    fn told_units(mut self) -> Self {
-        let unit = |&column: &usize| self.reference_units.of(self.base.parameters[column].kind);
-        let units: Vec<f64> = self.base.kept.iter().map(unit).collect();
-        if let Some(criterion) = self.criterion.in_units(&units) {
+    pub(super) fn told_units(mut self) -> Self {
+        if let Some(criterion) = self.criterion.in_units(&self.units()) {
             self.criterion = criterion.into();
         }
         self
-    }
-
-    pub(super) fn set_evaluation(&mut self, joints: usize, motions: EvaluationMotions) -> Result<(), ExcitationError> {
-        same_length("joints of the evaluation motions", motions.joints(), joints)?;
-        self.evaluation = Some(motions);
-        Ok(())
-    }
-
-    pub(super) fn set_expected(&mut self, joints: usize, expected: ExpectedEffects) -> Result<(), ExcitationError> {
-        same_length("nominal links of the expected effects", expected.nominal().links.len(), joints)?;
-        self.expected = Some(expected);
-        Ok(())
-    }
-
-    pub(super) fn set_rows(&mut self, rows: f64) -> Result<(), ExcitationError> {
-        above_zero("number of torque rows of the experiment", rows, "")?;
-        self.rows = Some(rows);
-        Ok(())
     }
 
     /// Tells the criterion what the estimate is for, if it asks.
@@ -151,9 +99,9 @@ impl DesignObjective {
             return Ok(());
         }
         let motions = self.evaluation.clone().map_or_else(|| EvaluationMotions::usual(robot), Ok)?;
-        let usual = robot.dof() as f64 * space.period_s() * robot.servo().rate_hz * RECORDED_PERIODS;
+        let usual = robot.dof() as f64 * space.period_s * robot.servo().rate_hz * RECORDED_PERIODS;
         let rows = self.rows.unwrap_or(usual);
-        let prediction = motions.prediction(robot, regressor, &self.base, space.frozen(), self.expected.as_ref(), rows);
+        let prediction = motions.prediction(robot, regressor, &self.base, &space.frozen, self.expected.as_ref(), rows);
         if let Some(criterion) = self.criterion.for_prediction(prediction) {
             self.criterion = criterion.into();
         }
@@ -174,35 +122,12 @@ impl DesignObjective {
         }
     }
 
-    pub(super) const fn set_samples(&mut self, samples: usize) -> Result<(), ExcitationError> {
-        if samples == 0 {
-            return Err(ExcitationError::TooFew { quantity: "samples", found: 0, least: 1 });
-        }
-        self.samples = samples;
-        Ok(())
-    }
-
-    pub(super) fn set_noise(&mut self, joints: usize, noise: Vec<f64>) -> Result<(), ExcitationError> {
-        same_length("noise levels", noise.len(), joints)?;
-        for &level in &noise {
-            above_zero("a noise level", level, "N·m")?;
-        }
-        self.noise = Some(noise);
-        Ok(())
-    }
-
-    pub(super) fn set_prior(&mut self, prior: DMatrix<f64>) -> Result<(), ExcitationError> {
-        check_prior(&prior, &self.base)?;
-        self.prior = Some(prior);
-        Ok(())
-    }
-
     /// This objective on the base of the joints that move in another space.
     pub(super) fn in_space(&self, robot: &Robot, space: &DesignSpace) -> Result<Self, ExcitationError> {
-        let base = if space.frozen().iter().all(Option::is_none) {
+        let base = if space.frozen.iter().all(Option::is_none) {
             reduce(robot, self.columns, Method::Structural, Seed::new(0))?
         } else {
-            let states = random_states(robot.dof(), self.base.parameters.len(), space.frozen());
+            let states = random_states(robot.dof(), self.base.parameters.len(), &space.frozen);
             reduce_on(robot, self.columns, Method::Qr, &states)?
         };
         if let Some(prior) = &self.prior {
@@ -213,15 +138,12 @@ impl DesignObjective {
 }
 
 /// Prior information must be that of the base parameters.
-fn check_prior(prior: &DMatrix<f64>, base: &BaseReduction) -> Result<(), ExcitationError> {
+pub(super) fn check_prior(prior: &DMatrix<f64>, base: &BaseReduction) -> Result<(), ExcitationError> {
     let (expected, (rows, columns)) = (base.rank(), prior.shape());
     if (rows, columns) != (expected, expected) {
         return Err(ExcitationError::PriorSize { rows, columns, expected });
     }
-    match prior.iter().find(|entry| !entry.is_finite()) {
-        Some(&found) => Err(ExcitationError::NotFinite { quantity: "entry of the prior information", found, unit: "" }),
-        None => Ok(()),
-    }
+    prior.iter().try_for_each(|&entry| finite("entry of the prior information", entry, ""))
 }
 
 /// Random states of the joints that move, the others where they stand.
@@ -230,14 +152,12 @@ fn random_states(n: usize, parameters: usize, frozen: &[Option<f64>]) -> States 
     let mut rng = Seed::new(0).stream("frozen joints", 0);
     let mut states = States::new(n);
     for _ in 0..count {
-        let mut draw = |still: &dyn Fn(usize) -> Option<f64>| -> Vec<f64> {
-            (0..n).map(|j| (rng.random_range(-PI..PI), still(j))).map(|(x, still)| still.unwrap_or(x)).collect()
+        let mut draw = |size: f64, still: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            let drawn = (0..n).map(|j| (size * rng.random_range(-PI..PI), frozen[j]));
+            drawn.map(|(x, place)| place.map_or(x, still)).collect()
         };
-        let resting = |j: usize| frozen[j].map(|_| 0.0);
-        let (q, qd, qdd) = (draw(&|j| frozen[j]), draw(&resting), draw(&resting));
         // Rates at which the arm's own motion weighs as much as gravity.
-        let (qd, qdd) =
-            (qd.iter().map(|x| 2.0 * x).collect::<Vec<_>>(), qdd.iter().map(|x| 5.0 * x).collect::<Vec<_>>());
+        let (q, qd, qdd) = (draw(1.0, &|place| place), draw(2.0, &|_| 0.0), draw(5.0, &|_| 0.0));
         states.push(&q, &qd, &qdd);
     }
     states

@@ -102,7 +102,8 @@ mod tests {
         assert_eq!(said(&robot, 0.35), None);
         assert!(said(&robot, 0.36).unwrap().contains("\"flange\" moves at 252 mm/s"));
         let position = robot.poses(&[0.0; 2])[1].translation;
-        let armed = robot.with_points(vec![NamedPoint { name: "tip".to_owned(), link: 2, position }]);
+        let tip = NamedPoint { name: "tip".to_owned(), link: 2, position };
+        let armed = robot.changed(|spec| spec.points = vec![tip]).unwrap();
         assert_eq!(said(&armed, 0.175), None);
         assert!(said(&armed, 0.19).unwrap().contains("\"tip\" moves at 266 mm/s"));
     }

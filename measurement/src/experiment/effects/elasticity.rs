@@ -35,7 +35,7 @@ const RESOLVED: f64 = 0.25;
 /// The spring of one drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spring {
-    stiffness: f64,
+    pub(super) stiffness: f64,
     damping: f64,
     gap: f64,
     slips: Slips,
@@ -54,11 +54,6 @@ impl Spring {
         let inertia = 1.0 / (1.0 / rotor + mobility);
         self.damping = 2.0 * DAMPING * (self.stiffness * inertia).sqrt();
         self
-    }
-
-    /// Its stiffness, N·m/rad.
-    pub(super) const fn stiffness(&self) -> f64 {
-        self.stiffness
     }
 
     /// Whether a step `h` (s) follows the oscillation of a rotor and links of this mobility.

@@ -2,11 +2,10 @@
 
 use nalgebra::DMatrix;
 
-use super::actual_arm::ActualArm;
-use super::actual_arm::Coupling;
+use super::actual_arm::{ActualArm, Coupling};
 use super::kind::EffectKind as Kind;
 use super::selection::Effects;
-use crate::excitation::{Criterion, EffectLaw, ExcitationError, ExpectedEffect, ExpectedEffects};
+use crate::excitation::{Criterion, EffectLaw, ExpectedEffect, ExpectedEffects};
 use crate::model::{DriveParameters, Robot, StandardParameters};
 
 /// Why effects cannot be expected.
@@ -16,9 +15,6 @@ pub enum ExpectedEffectError {
     /// No law of the motion gives its torque: it has a memory, phases that nobody knows, or is one of the sensors.
     #[error("{} cannot be expected of a design, expected one of {}", found.name(), names())]
     NoLaw { found: Kind },
-    /// Its law does not fit the robot.
-    #[error(transparent)]
-    Law(#[from] ExcitationError),
 }
 
 fn names() -> String {
@@ -54,13 +50,13 @@ impl Effects {
     /// use armid::model::StandardParameters;
     /// let effects = Effects::only(EffectKind::CurrentLag, Level::Realistic);
     /// let expected = effects.expected(&planar_2r(), &StandardParameters::zero(2)).unwrap();
-    /// assert_eq!(expected.effects()[0].name, "current-lag");
+    /// assert_eq!(expected.effects[0].name, "current-lag");
     /// let tilted = Effects::only(EffectKind::BaseTilt, Level::Realistic);
     /// assert!(tilted.expected(&planar_2r(), &StandardParameters::zero(2)).is_err());
     /// ```
     ///
     /// # Errors
-    /// [`ExpectedEffectError`] if one has no law of the motion, or its law is not one of the robot.
+    /// [`ExpectedEffectError`] if one has no law of the motion.
     pub fn expected(
         &self,
         robot: &Robot,
@@ -83,7 +79,7 @@ impl Effects {
             Ok(ExpectedEffect { name: kind.name().to_owned(), law })
         };
         let effects = self.iter().map(effect).collect::<Result<_, _>>()?;
-        Ok(ExpectedEffects::new(nominal.clone(), effects)?)
+        Ok(ExpectedEffects { nominal: nominal.clone(), effects, are_carried: false })
     }
 }
 
@@ -101,7 +97,7 @@ impl ActualArm {
     fn elastic_law(&self, robot: &Robot) -> EffectLaw {
         let give = |coupling: &Coupling| match coupling {
             Coupling::Rigid => 0.0,
-            Coupling::TwoMasses(spring) | Coupling::QuasiStatic(spring) => 1.0 / spring.stiffness(),
+            Coupling::TwoMasses(spring) | Coupling::QuasiStatic(spring) => 1.0 / spring.stiffness,
         };
         let of_motors = DMatrix::from_diagonal(&nalgebra::DVector::from_iterator(
             self.couplings.len(),
@@ -138,7 +134,7 @@ mod tests {
         }
         for (kind, count) in [(CriterionKind::ModelError, 2), (CriterionKind::MeasuredTorque, 5)] {
             let effects = Effects::expected_by(&*kind.criterion());
-            assert_eq!(effects.expected(&robot, &nominal).unwrap().effects().len(), count);
+            assert_eq!(effects.expected(&robot, &nominal).unwrap().effects.len(), count);
         }
     }
 
@@ -148,7 +144,7 @@ mod tests {
         let nominal = parse_nominal(bundled()[0].nominal, &robot).unwrap().parameters;
         let law = |kind, magnitude| {
             let expected = Effects::none().with(kind, magnitude).expected(&robot, &nominal).unwrap();
-            expected.effects()[0].law.clone()
+            expected.effects[0].law.clone()
         };
         let EffectLaw::Elastic { compliance, with_link } = law(Kind::Elasticity, 3.0) else { panic!() };
         for (j, joint) in robot.joints().iter().enumerate() {

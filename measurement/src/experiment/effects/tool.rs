@@ -20,9 +20,7 @@ pub(super) fn add(parameters: &mut StandardParameters, mass: f64) {
     let ball = Matrix3::from_diagonal_element(0.4 * mass * RADIUS * RADIUS);
     let tool = Inertia::from_com(mass, Vector3::from(CENTRE), ball);
     if let Some(last) = parameters.links.last_mut() {
-        last.mass += tool.mass;
-        last.first_moment += tool.first_moment;
-        last.rotational += tool.rotational;
+        *last += tool;
     }
 }
 

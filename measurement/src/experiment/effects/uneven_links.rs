@@ -192,7 +192,7 @@ mod tests {
         let arm = ActualArm::new(&effects, &robot, &truth);
         let error = arm.transmission_errors()[0];
         let (transmission, start) = (Transmission::new(&robot), 0.3);
-        let mut drives = ActualDrives::of(&arm, &transmission, transmission.per_ampere(), &[start]).unwrap();
+        let mut drives = ActualDrives::of(&arm, &transmission, &transmission.per_ampere, &[start]).unwrap();
         let mut plant = FlyWheels::new(1);
         plant.reset(&[start], &[0.0]);
         let current = 0.1;
@@ -210,7 +210,7 @@ mod tests {
             let lead = error.at(q);
             let link = (1.0 + lead.slope) * qd;
             let energy = 0.5 * 0.5 * qd * qd + 0.5 * 1.5 * link * link;
-            let work = transmission.per_ampere()[0] * current * (q - start);
+            let work = transmission.per_ampere[0] * current * (q - start);
             apart = apart.max((energy - work).abs());
             swing = swing.max((energy - 0.5 * hinges::INERTIA * qd * qd).abs());
         }

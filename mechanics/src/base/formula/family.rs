@@ -2,8 +2,7 @@
 
 use rand::RngExt;
 
-use super::symbol::Symbol;
-use super::symbol::Variable;
+use super::symbol::{Symbol, Variable};
 use crate::base::geometry::Geometry;
 use crate::base::reduction::BaseReduction;
 use crate::base::structural;

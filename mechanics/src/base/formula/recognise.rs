@@ -2,11 +2,9 @@
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
-use super::coefficient::power;
-use super::coefficient::{Coefficient, Product};
+use super::coefficient::{Coefficient, Product, power};
 use super::family::{Family, STRETCH, WITNESSES};
-use super::symbol::Symbol;
-use super::symbol::Variable;
+use super::symbol::{Symbol, Variable};
 
 /// A formula predicts a coefficient when it errs by less than this fraction of it: the recursion's own error is some
 /// 1e-13, and witnesses drawn at random agree with a wrong formula to this extent with a chance of 1e-9 each.

@@ -73,12 +73,7 @@ fn degree(robot: &Robot, id: ParameterId) -> i32 {
             let Dimension { effort, coordinate, .. } = term.entry().dimension;
             (1 - effort) * (1 + i32::from(!prismatic)) - coordinate * i32::from(prismatic)
         }
-        ParameterKind::Ixx
-        | ParameterKind::Ixy
-        | ParameterKind::Ixz
-        | ParameterKind::Iyy
-        | ParameterKind::Iyz
-        | ParameterKind::Izz => 2,
+        _ => 2,
     }
 }
 

@@ -70,9 +70,8 @@ pub(in crate::base) fn reduce(geometry: &Geometry, parameters: &[ParameterId], m
     let revealed: Vec<(usize, Vec<f64>)> = rows.finish().filter(|&(pivot, _)| pivot >= TEN).collect();
     let kept = revealed.iter().map(|&(pivot, _)| pivot - TEN).collect();
     let k = DMatrix::from_fn(revealed.len(), parameters.len(), |row, column| revealed[row].1[TEN + column]);
-    BaseReduction::from_echelon(parameters, kept, k, Method::Structural)
-        .with_units(&geometry.units(parameters))
-        .with_base_motion(motion)
+    let reduction = BaseReduction::from_echelon(parameters, kept, k, Method::Structural);
+    BaseReduction { base_motion: motion, ..reduction.with_units(&geometry.units(parameters)) }
 }
 
 /// The axis of joint j in the frame of its link.

@@ -47,9 +47,7 @@ pub(super) fn parts(robot: &Robot) -> RobotSpec {
         base: *robot.base(),
         joints: robot.joints().to_vec(),
         coupling: robot.coupling().cloned(),
-        shapes: Vec::new(),
-        obstacles: Vec::new(),
-        may_touch: Vec::new(),
+        ..RobotSpec::default()
     }
 }
 

@@ -51,7 +51,7 @@ fn own_regressor(robot: &Robot, columns: Columns, motion: BaseMotion) -> (DMatri
     let geometry = Geometry::of(&whole);
     let regressor = JointTorqueRegressor::new(&whole, columns).unwrap();
     let mut rng = Seed::new(6).stream("states", 0);
-    let states = geometry.random_states(geometry.state_count(regressor.cols()) * 2, &mut rng);
+    let states = geometry.random_states(2 * regressor.cols(), &mut rng);
     let w = regressor.stack(&states);
     let own: Vec<usize> = (0..regressor.cols()).filter(|&j| regressor.parameters()[j].index >= added).collect();
     let rows: Vec<usize> = (0..w.nrows()).filter(|row| row % whole.dof() >= added).collect();

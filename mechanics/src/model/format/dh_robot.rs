@@ -19,6 +19,7 @@ use crate::model::drive::Drive;
 use crate::model::joint::{DhConvention, DhRow, Joint, JointKind, Limits};
 use crate::model::robot::{Robot, RobotSpec};
 use crate::model::servo::EffortInterface;
+use crate::provenance::sha256;
 use crate::spatial::Placement;
 
 #[derive(Deserialize)]
@@ -101,16 +102,13 @@ pub(super) fn read_dh_robot(text: &str) -> Result<Robot, FormatError> {
         shapes,
         obstacles,
         may_touch,
+        points,
+        effort: file.effort,
+        servo: file.servo.as_ref().map(|table| read_servo(check, table)).transpose()?,
+        uncertainty: read_uncertainty(check, &file.uncertainty)?,
+        source_sha256: sha256(text),
     };
-    let servo = file.servo.as_ref().map(|table| read_servo(check, table)).transpose()?;
-    let uncertainty = read_uncertainty(check, &file.uncertainty)?;
-    match Robot::new(spec) {
-        Ok(robot) => {
-            let robot = servo.into_iter().fold(robot, Robot::with_servo).with_uncertainty(uncertainty);
-            Ok(robot.with_effort(file.effort).with_points(points).read_from(text))
-        }
-        Err(fault) => check.fault(file.joint.span(), fault.to_string()),
-    }
+    Robot::new(spec).or_else(|fault| check.fault(file.joint.span(), fault.to_string()))
 }
 
 fn read_joint(

@@ -16,22 +16,12 @@ pub(super) const CIRCUIT: [&str; 3] = ["resistance_ohm", "inductance_h", "brush_
 
 /// The table as it stands in the file; every key of it is known.
 pub(super) struct DriveTable {
-    joint: Spanned<String>,
-    source: Option<String>,
+    pub(super) joint: Spanned<String>,
+    pub(super) source: Option<String>,
     numbers: Vec<(String, Number)>,
 }
 
 impl DriveTable {
-    /// Name of the joint.
-    pub(super) const fn joint(&self) -> &Spanned<String> {
-        &self.joint
-    }
-
-    /// Where the numbers come from.
-    pub(super) fn source(&self) -> Option<&str> {
-        self.source.as_deref()
-    }
-
     /// Every number with its key, in the order of the file.
     pub(super) fn numbers(&self) -> impl Iterator<Item = (&str, &Number)> {
         self.numbers.iter().map(|(key, number)| (key.as_str(), number))

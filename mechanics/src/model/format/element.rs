@@ -166,8 +166,7 @@ impl<'a> Element<'a> {
 
 /// Sine and cosine of an angle in rad, exact where the text means a multiple of 90°: within four roundings of one.
 pub(super) fn sincos(angle: f64) -> (f64, f64) {
-    let right = RightAngle::nearest(angle);
-    if right.is_rounding() { right.sincos() } else { libm::sincos(angle) }
+    snapped_sincos(angle, NearlyRight::AsWritten).0
 }
 
 /// How far from a multiple of 90° an angle of the geometry may be that means one, rad: half a unit of the fourth decimal.

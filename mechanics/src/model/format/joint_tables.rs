@@ -58,6 +58,15 @@ pub(super) struct DriveTable {
     shape: BTreeMap<Spanned<String>, Number>,
 }
 
+/// The keys of one quantity, for a revolute joint and for a prismatic one, each with what stands there.
+type Keys<'a, T> = [(&'static str, &'a Option<Spanned<T>>); 2];
+
+macro_rules! keys {
+    ($table:ident, $revolute:ident, $prismatic:ident) => {
+        [(stringify!($revolute), &$table.$revolute), (stringify!($prismatic), &$table.$prismatic)]
+    };
+}
+
 /// Reads limits and drive of one joint.
 pub(super) struct JointTables<'a> {
     pub(super) check: Check<'a>,
@@ -74,8 +83,7 @@ impl JointTables<'_> {
     /// The key of a pair that fits the joint's kind; the other one is a fault.
     fn fitting<'b, T>(
         &self,
-        revolute: (&'static str, &'b Option<Spanned<T>>),
-        prismatic: (&'static str, &'b Option<Spanned<T>>),
+        [revolute, prismatic]: Keys<'b, T>,
     ) -> Result<Option<(&'static str, &'b Spanned<T>)>, FormatError> {
         let ((key, value), (wrong_key, wrong), kind) = match self.kind {
             JointKind::Revolute => (revolute, prismatic, "revolute"),
@@ -88,15 +96,19 @@ impl JointTables<'_> {
         Ok(value.as_ref().map(|value| (key, value)))
     }
 
+    /// The number above zero of the key that fits; `otherwise` where it is not stated.
+    fn positive(&self, keys: Keys<'_, f64>, otherwise: f64) -> Result<f64, FormatError> {
+        let stated = self.fitting(keys)?;
+        stated.map_or(Ok(otherwise), |(key, number)| self.check.positive(key, number))
+    }
+
     /// Limits as the file states them; what it does not state is as `otherwise` has it.
     pub(super) fn limits(&self, table: &LimitsTable, otherwise: Limits) -> Result<Limits, FormatError> {
         let revolute = self.kind == JointKind::Revolute;
         // A degree limit is converted once, here; an angle of the file is a double of its own all the way.
         let si = |value: f64| if revolute { value.to_radians() } else { value };
         let mut limits = otherwise;
-        if let Some((key, row)) =
-            self.fitting(("position_deg", &table.position_deg), ("position_m", &table.position_m))?
-        {
+        if let Some((key, row)) = self.fitting(keys!(table, position_deg, position_m))? {
             let [low, high] = self.check.numbers::<2>(key, row)?;
             if low >= high {
                 let message = format!("{key} is [{low}, {high}], expected the lower limit below the upper");
@@ -104,81 +116,50 @@ impl JointTables<'_> {
             }
             limits.position = (si(low), si(high));
         }
-        if let Some((key, x)) =
-            self.fitting(("velocity_deg_s", &table.velocity_deg_s), ("velocity_m_s", &table.velocity_m_s))?
-        {
+        if let Some((key, x)) = self.fitting(keys!(table, velocity_deg_s, velocity_m_s))? {
             limits.velocity = si(self.check.positive(key, x)?);
         }
-        if let Some((key, x)) = self.fitting(
-            ("acceleration_rad_s2", &table.acceleration_rad_s2),
-            ("acceleration_m_s2", &table.acceleration_m_s2),
-        )? {
-            limits.acceleration = self.check.positive(key, x)?;
-        }
-        if let Some((key, x)) = self.fitting(("jerk_rad_s3", &table.jerk_rad_s3), ("jerk_m_s3", &table.jerk_m_s3))? {
-            limits.jerk = self.check.positive(key, x)?;
-        }
-        if let Some((key, x)) = self.fitting(("torque_nm", &table.torque_nm), ("force_n", &table.force_n))? {
-            limits.torque = self.check.positive(key, x)?;
-        }
-        if let Some((key, x)) = self.fitting(
-            ("continuous_torque_nm", &table.continuous_torque_nm),
-            ("continuous_force_n", &table.continuous_force_n),
-        )? {
-            limits.continuous_torque = self.check.positive(key, x)?;
-        }
+        limits.acceleration =
+            self.positive(keys!(table, acceleration_rad_s2, acceleration_m_s2), limits.acceleration)?;
+        limits.jerk = self.positive(keys!(table, jerk_rad_s3, jerk_m_s3), limits.jerk)?;
+        limits.torque = self.positive(keys!(table, torque_nm, force_n), limits.torque)?;
+        limits.continuous_torque =
+            self.positive(keys!(table, continuous_torque_nm, continuous_force_n), limits.continuous_torque)?;
         Ok(limits)
     }
 
     /// The drive.
     pub(super) fn drive(&self, table: &DriveTable) -> Result<Drive, FormatError> {
         let check = self.check;
+        let lacks = |key: &str, why: &str| {
+            let message = format!("the drive of joint \"{}\" has no {key}, expected one{why}", self.name);
+            check.fault(self.at.clone(), message)
+        };
         let mut drive = Drive::ideal();
-        let gear = self.fitting(("gear", &table.gear), ("gear_rad_m", &table.gear_rad_m))?;
+        let gear = self.fitting(keys!(table, gear, gear_rad_m))?;
         let is_motor = table.torque_constant_nm_a.is_some() || table.resistance_ohm.is_some();
         match gear {
             Some((key, gear)) => drive.gear = check.positive(key, gear)?,
             None if self.gear_may_lack && !is_motor && self.effort == EffortInterface::Torque => {}
-            None => {
-                let name = self.name;
-                let message = format!("the drive of joint \"{name}\" has no gear, expected one");
-                return check.fault(self.at.clone(), message);
-            }
+            None => return lacks("gear", ""),
         }
         drive.torque_constant = match (&table.torque_constant_nm_a, self.effort) {
             (Some(x), _) => check.positive("torque_constant_nm_a", x)?,
             (None, EffortInterface::Torque) => 1.0 / drive.gear,
-            (None, EffortInterface::Current) => {
-                let name = self.name;
-                let message = format!(
-                    "the drive of joint \"{name}\" has no torque_constant_nm_a, expected one since effort is a current"
-                );
-                return check.fault(self.at.clone(), message);
-            }
+            (None, EffortInterface::Current) => return lacks("torque_constant_nm_a", " since effort is a current"),
         };
-        if let Some(x) = &table.current_limit_a {
-            drive.current_limit = check.positive("current_limit_a", x)?;
-        }
-        if let Some(x) = &table.continuous_current_a {
-            drive.continuous_current = check.positive("continuous_current_a", x)?;
-        }
-        if let Some((key, x)) = self
-            .fitting(("counts_per_revolution", &table.counts_per_revolution), ("counts_per_m", &table.counts_per_m))?
-        {
-            drive.counts_per_revolution = check.positive(key, x)?;
-        }
+        drive.current_limit = check.positive_or("current_limit_a", &table.current_limit_a, f64::INFINITY)?;
+        drive.continuous_current =
+            check.positive_or("continuous_current_a", &table.continuous_current_a, f64::INFINITY)?;
+        drive.counts_per_revolution = self.positive(keys!(table, counts_per_revolution, counts_per_m), 0.0)?;
         if let Some(x) = &table.encoder_sign {
             drive.encoder_sign = check.finite("encoder_sign", x)?;
             if ![1.0, -1.0].contains(&drive.encoder_sign) {
                 return check.fault(x.span(), format!("encoder_sign is {}, expected 1 or -1", drive.encoder_sign));
             }
         }
-        if let Some(x) = &table.current_noise_a {
-            drive.current_noise = check.not_negative("current_noise_a", x)?;
-        }
-        if let Some(x) = &table.adc_range_a {
-            drive.adc_range = check.positive("adc_range_a", x)?;
-        }
+        drive.current_noise = check.not_negative_or("current_noise_a", &table.current_noise_a, 0.0)?;
+        drive.adc_range = check.positive_or("adc_range_a", &table.adc_range_a, f64::INFINITY)?;
         if let Some(bits) = &table.adc_bits {
             drive.adc_bits = *bits.get_ref();
             if drive.adc_bits > 30 {
@@ -189,17 +170,12 @@ impl JointTables<'_> {
                 return check.fault(bits.span(), "adc_bits is given without adc_range_a, expected both or neither");
             }
         }
-        if let Some((key, x)) = self.fitting(
-            ("coulomb_velocity_rad_s", &table.coulomb_velocity_rad_s),
-            ("coulomb_velocity_m_s", &table.coulomb_velocity_m_s),
-        )? {
+        if let Some((key, x)) = self.fitting(keys!(table, coulomb_velocity_rad_s, coulomb_velocity_m_s))? {
             drive.coulomb_velocity = check.not_negative(key, x)?;
         }
         drive.shapes = read_shape_parameters(check, &table.shape)?;
         drive.circuit = self.circuit(table, drive.torque_constant)?;
-        if let Some(x) = &table.voltage_noise_v {
-            drive.voltage_noise = check.not_negative("voltage_noise_v", x)?;
-        }
+        drive.voltage_noise = check.not_negative_or("voltage_noise_v", &table.voltage_noise_v, 0.0)?;
         Ok(drive)
     }
 
@@ -221,13 +197,12 @@ impl JointTables<'_> {
                 None => Ok(None),
             };
         };
-        let value = |key, x: &Option<Number>, default| x.as_ref().map_or(Ok(default), |x| check.not_negative(key, x));
         Ok(Some(MotorCircuit {
             resistance: check.positive("resistance_ohm", resistance)?,
-            inductance: value("inductance_h", &table.inductance_h, 0.0)?,
-            back_emf: value("back_emf_v_s_rad", &table.back_emf_v_s_rad, torque_constant)?,
-            brush_drop: value("brush_drop_v", &table.brush_drop_v, 0.0)?,
-            supply: table.supply_v.as_ref().map_or(Ok(f64::INFINITY), |x| check.positive("supply_v", x))?,
+            inductance: check.not_negative_or("inductance_h", &table.inductance_h, 0.0)?,
+            back_emf: check.not_negative_or("back_emf_v_s_rad", &table.back_emf_v_s_rad, torque_constant)?,
+            brush_drop: check.not_negative_or("brush_drop_v", &table.brush_drop_v, 0.0)?,
+            supply: check.positive_or("supply_v", &table.supply_v, f64::INFINITY)?,
         }))
     }
 }

@@ -6,13 +6,12 @@ use toml::Spanned;
 
 use super::drive_table::{CIRCUIT, DriveTable, TORQUE_CONSTANT};
 use super::error::FormatError;
-use super::reading::quoted;
 use super::reading::{Check, Number, Row, read};
 use super::relative_uncertainty::{RelativeUncertainty, UncertaintyTable};
 use super::shape_parameters;
 use super::term_keys::read_terms;
 use crate::model::drive::Drive;
-use crate::model::parameters::{DriveParameters, StandardParameters};
+use crate::model::parameters::StandardParameters;
 use crate::model::robot::Robot;
 use crate::spatial::Inertia;
 
@@ -134,46 +133,32 @@ impl ParameterReader<'_> {
     ) -> Result<ParameterFile, FormatError> {
         let mut parameters = StandardParameters::zero(self.robot.dof());
         let mut motors: Vec<Drive> = self.robot.joints().iter().map(|joint| joint.drive.clone()).collect();
+        let names: Vec<&str> = self.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
         let mut notes = Vec::new();
+        let note = |what: &str, name: &Spanned<String>, source: &Option<String>| {
+            source.clone().map(|source| Note { subject: format!("{what} {}", name.get_ref()), source })
+        };
         let mut seen = vec![false; self.robot.dof()];
         for table in links.get_ref() {
-            let index = self.index("link", &table.get_ref().name, &mut seen)?;
+            let index = self.check.place("link", &table.get_ref().name, &names, &mut seen)?;
             parameters.links[index] = self.link(table.get_ref())?;
-            if let Some(source) = &table.get_ref().source {
-                let subject = format!("link {}", table.get_ref().name.get_ref());
-                notes.push(Note { subject, source: source.clone() });
-            }
+            notes.extend(note("link", &table.get_ref().name, &table.get_ref().source));
         }
         if let Some(missing) = seen.iter().position(|seen| !seen) {
-            let name = &self.robot.joints()[missing].name;
+            let name = names[missing];
             let message = format!("link \"{name}\" is missing, expected one [[link]] for each link of the robot");
             let at = links.get_ref().last().map_or_else(|| links.span(), Spanned::span);
             return self.check.fault(at, message);
         }
         let mut seen = vec![false; self.robot.dof()];
         for table in drives.map(|drives| drives.get_ref().as_slice()).unwrap_or_default() {
-            let index = self.index("joint", table.get_ref().joint(), &mut seen)?;
-            parameters.drives[index] = self.drive(index, table.get_ref())?;
+            let index = self.check.place("joint", &table.get_ref().joint, &names, &mut seen)?;
+            let (numbers, drive) = (table.get_ref().numbers(), &mut parameters.drives[index]);
+            read_terms(self.check, self.robot, index, numbers, self.require_consistent, drive)?;
             self.motor(table.get_ref(), &mut motors[index])?;
-            if let Some(source) = table.get_ref().source() {
-                let subject = format!("drive {}", table.get_ref().joint().get_ref());
-                notes.push(Note { subject, source: source.to_owned() });
-            }
+            notes.extend(note("drive", &table.get_ref().joint, &table.get_ref().source));
         }
         Ok(ParameterFile { parameters, motors, notes })
-    }
-
-    fn index(&self, what: &str, name: &Spanned<String>, seen: &mut [bool]) -> Result<usize, FormatError> {
-        let Some(index) = self.robot.joint_index(name.get_ref()) else {
-            let names: Vec<&str> = self.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
-            let message = format!("{what} \"{}\" is not there, expected one of {}", name.get_ref(), quoted(&names));
-            return self.check.fault(name.span(), message);
-        };
-        if std::mem::replace(&mut seen[index], true) {
-            let message = format!("{what} \"{}\" is there twice, expected it once", name.get_ref());
-            return self.check.fault(name.span(), message);
-        }
-        Ok(index)
     }
 
     fn link(&self, table: &LinkTable) -> Result<Inertia, FormatError> {
@@ -253,11 +238,5 @@ impl ParameterReader<'_> {
             }
         }
         Ok(())
-    }
-
-    fn drive(&self, index: usize, table: &DriveTable) -> Result<DriveParameters, FormatError> {
-        let mut drive = DriveParameters::default();
-        read_terms(self.check, self.robot, index, table.numbers(), self.require_consistent, &mut drive)?;
-        Ok(drive)
     }
 }

@@ -43,6 +43,27 @@ impl<'a> Check<'a> {
         Err(FormatError::at(self.text, span, message))
     }
 
+    /// The place of a name among others; it must be one of them, and not have been there before.
+    pub(super) fn place(
+        &self,
+        what: &str,
+        name: &Spanned<String>,
+        names: &[&str],
+        seen: &mut [bool],
+    ) -> Result<usize, FormatError> {
+        let found = name.get_ref();
+        match names.iter().position(|known| known == found) {
+            Some(index) if std::mem::replace(&mut seen[index], true) => {
+                self.fault(name.span(), format!("{what} \"{found}\" is there twice, expected it once"))
+            }
+            Some(index) => Ok(index),
+            None => {
+                let message = format!("{what} \"{found}\" is not there, expected one of {}", quoted(names));
+                self.fault(name.span(), message)
+            }
+        }
+    }
+
     pub(super) fn finite(&self, key: &str, number: &Number) -> Result<f64, FormatError> {
         let value = *number.get_ref();
         if value.is_finite() {
@@ -71,6 +92,21 @@ impl<'a> Check<'a> {
     }
 
     /// A list of exactly `N` finite numbers.
+    /// As [`Self::positive`]; `otherwise` where the key is not stated.
+    pub(super) fn positive_or(&self, key: &str, number: &Option<Number>, otherwise: f64) -> Result<f64, FormatError> {
+        number.as_ref().map_or(Ok(otherwise), |number| self.positive(key, number))
+    }
+
+    /// As [`Self::not_negative`]; `otherwise` where the key is not stated.
+    pub(super) fn not_negative_or(
+        &self,
+        key: &str,
+        number: &Option<Number>,
+        otherwise: f64,
+    ) -> Result<f64, FormatError> {
+        number.as_ref().map_or(Ok(otherwise), |number| self.not_negative(key, number))
+    }
+
     pub(super) fn numbers<const N: usize>(&self, key: &str, row: &Row) -> Result<[f64; N], FormatError> {
         let found = row.get_ref();
         if found.len() != N {

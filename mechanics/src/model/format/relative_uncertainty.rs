@@ -8,6 +8,7 @@ use toml::Spanned;
 
 use super::error::FormatError;
 use super::reading::{Check, Number};
+use crate::model::columns::distinct;
 use crate::model::term::Term;
 
 /// How far the truth may be from a guess: one standard deviation per group of parameters.
@@ -39,15 +40,8 @@ pub(super) struct UncertaintyTable(BTreeMap<Spanned<String>, Number>);
 impl UncertaintyTable {
     /// The checked table, which stands at `at` in the text.
     pub(super) fn read(&self, check: Check<'_>, at: Range<usize>) -> Result<RelativeUncertainty, FormatError> {
-        let known: Vec<&str> = ["mass", "first_moment", "inertia"]
-            .into_iter()
-            .chain(Term::ALL.iter().map(|term| term.entry().prior.key))
-            .fold(Vec::new(), |mut keys, key| {
-                if !keys.contains(&key) {
-                    keys.push(key);
-                }
-                keys
-            });
+        let of_terms = Term::ALL.iter().map(|term| term.entry().prior.key);
+        let known = distinct(["mass", "first_moment", "inertia"].into_iter().chain(of_terms));
         if let Some(unknown) = self.0.keys().find(|key| !known.contains(&key.get_ref().as_str())) {
             let keys: Vec<String> = known.iter().map(|key| format!("`{key}`")).collect();
             let message = format!("unknown field `{}`, expected one of {}", unknown.get_ref(), keys.join(", "));

@@ -54,20 +54,20 @@ pub fn write_robot(model: &ImportedModel, path: &str, ends: &ChainEnds) -> Strin
     out.comment_at_column("needs gears and torque constants below");
     out.gap("gravity_m_s2", "in the world; [0, 0, -9.81] is taken, the root of the URDF standing upright");
     out.blank();
-    out.heading("# [base]", "where the root stands, if not upright at the origin");
+    out.line("# [base]", "where the root stands, if not upright at the origin");
     out.gap("roll_pitch_yaw_deg", "a list: a wall or a ceiling changes the weight at every joint");
     out.blank();
-    out.heading("# [coupling]", "where a motor turns with more than its own joint (wrists with belts)");
+    out.line("# [coupling]", "where a motor turns with more than its own joint (wrists with belts)");
     out.gap("motor_from_joint", "q_motor = C q, row by row; each motor for itself is taken");
     out.blank();
-    out.heading("[servo]", "of the simulated arm, assumed: without rotor inertias wrists are light,");
+    out.line("[servo]", "of the simulated arm, assumed: without rotor inertias wrists are light,");
     out.key("rate_hz", "5000", "and at a lower rate a simulation can diverge");
     out.key("bandwidth_hz", "8", "");
     out.key("damping", "0.8", "");
     out.key("integral_hz", "0.5", "");
     out.key("friction", "true", "gains overcome the friction of the URDF, too");
     out.blank();
-    out.heading("# [floor]", "a design with a clearance keeps above it");
+    out.line("# [floor]", "a design with a clearance keeps above it");
     out.gap("z_m", "in the base frame");
     for ((joint, link), drive) in model.robot.joints().iter().zip(&model.parameters.links).zip(&model.parameters.drives)
     {
@@ -80,13 +80,13 @@ fn write_joint(out: &mut Lines, joint: &Joint, link: &Inertia, drive: &DrivePara
     let revolute = joint.kind == JointKind::Revolute;
     let by = |revolute_key, prismatic_key| if revolute { revolute_key } else { prismatic_key };
     out.blank();
-    out.heading("[[joint]]", "");
+    out.line("[[joint]]", "");
     out.key("name", &quoted(&joint.name), &said(joint));
     if link.mass <= 0.0 {
         out.comment("gap: its link has no <inertial> in the URDF; there is nothing to simulate, and nothing to");
         out.comment("choose by where torque does not decide");
     }
-    out.heading("[joint.limits]", "");
+    out.line("[joint.limits]", "");
     let limits = &joint.limits;
     if limits.position.0.is_infinite() {
         out.gap(by("position_deg", "position_m"), "[low, high]: designs and the guard keep inside");
@@ -98,7 +98,7 @@ fn write_joint(out: &mut Lines, joint: &Joint, link: &Inertia, drive: &DrivePara
     if limits.torque.is_infinite() {
         out.gap(by("torque_nm", "force_n"), "peak: designs keep below");
     }
-    out.heading("[joint.drive]", "");
+    out.line("[joint.drive]", "");
     out.gap(by("gear", "gear_rad_m"), "motor turns per joint turn: logs of motors' angles, currents");
     out.gap("torque_constant_nm_a", "at the motor: logs of currents");
     out.gap("current_limit_a", "peak: designs keep below");
@@ -110,7 +110,7 @@ fn write_joint(out: &mut Lines, joint: &Joint, link: &Inertia, drive: &DrivePara
         out.key(scale, COULOMB_VELOCITY, "assumed: friction of the URDF is Fc tanh(velocity / this),");
         out.comment_at_column("since no engine simulates a jump");
     }
-    out.heading("[joint.terms]", "nominal, before measuring: limits of a design, start of an export");
+    out.line("[joint.terms]", "nominal, before measuring: limits of a design, start of an export");
     for (term, use_of) in TERMS {
         if drive[term] == 0.0 {
             out.gap(term.entry().key.of(joint.kind), use_of);
@@ -165,10 +165,6 @@ impl Lines {
 
     fn blank(&mut self) {
         self.text.push('\n');
-    }
-
-    fn heading(&mut self, heading: &str, meaning: &str) {
-        self.line(heading, meaning);
     }
 
     fn key(&mut self, key: &str, value: &str, meaning: &str) {

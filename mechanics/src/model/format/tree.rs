@@ -209,18 +209,13 @@ impl Tree<'_> {
         let mut parameters = StandardParameters::zero(n);
         let mut joints = Vec::with_capacity(n);
         let mut locked = Vec::new();
-        // For each body below the base: the link that carries it (0 the base), and its pose in that link.
-        let mut carried: Vec<Option<(usize, Placement)>> = vec![None; self.bodies.len()];
-        carried[base] = Some((0, Placement::identity()));
+        let carried = self.carried(base, moving);
         for (b, body) in self.bodies.iter().enumerate() {
-            let Some((link, pose)) = body.parent.and_then(|parent| carried[parent]) else { continue };
-            let pose = pose.compose(&body.placement);
-            let chain_index = moving.iter().position(|&m| m == b);
-            let (link, pose) = match (&body.connection, chain_index) {
+            let Some((_, pose_of_parent)) = body.parent.and_then(|parent| carried[parent]) else { continue };
+            match (&body.connection, moving.iter().position(|&m| m == b)) {
                 (Connection::Moving(joint), Some(index)) => {
-                    joints.push(joint.on_chain(&pose));
+                    joints.push(joint.on_chain(&pose_of_parent.compose(&body.placement)));
                     parameters.drives[index].clone_from(&joint.drive);
-                    (index + 1, Placement::identity())
                 }
                 (Connection::Follows { joint, leader }, Some(_)) => {
                     let message = format!(
@@ -230,41 +225,29 @@ impl Tree<'_> {
                 }
                 (Connection::Follows { joint, leader }, None) => {
                     locked.push(format!("{joint} (a mimic of {leader})"));
-                    (link, pose)
                 }
                 (Connection::Unsupported(name, what), Some(_)) => {
                     let message = format!("joint \"{name}\" is {what}, expected a joint with one degree of freedom");
                     return self.check.fault(body.at.clone(), message);
                 }
-                (Connection::Moving(MovingJoint { name, .. }), None) => {
-                    locked.push(name.clone());
-                    (link, pose)
-                }
-                (Connection::Unsupported(name, what), None) => {
-                    locked.push(format!("{name} ({what})"));
-                    (link, pose)
-                }
-                (Connection::Fixed, _) => (link, pose),
-            };
-            if link > 0 {
-                let inertia = body.inertia.as_ref().map_err(Clone::clone)?;
-                parameters.links[link - 1] = sum(&parameters.links[link - 1], &moved(inertia, &pose));
+                (Connection::Moving(MovingJoint { name, .. }), None) => locked.push(name.clone()),
+                (Connection::Unsupported(name, what), None) => locked.push(format!("{name} ({what})")),
+                (Connection::Fixed, _) => {}
             }
-            carried[b] = Some((link, pose));
+            if let Some((link @ 1.., pose)) = carried[b] {
+                let inertia = body.inertia.as_ref().map_err(Clone::clone)?;
+                parameters.links[link - 1] += moved(inertia, &pose);
+            }
         }
         let collisions = self.collisions(base, &carried);
         let spec = RobotSpec {
             name: self.name.clone(),
             gravity: self.gravity,
-            base: self
-                .path(base)
-                .iter()
-                .fold(Placement::identity(), |pose, &b| pose.compose(&self.bodies[b].placement)),
+            base: self.pose_in_root(base),
             coupling: self.coupling(&joints, &mut parameters)?,
             joints,
-            shapes: Vec::new(),
-            obstacles: Vec::new(),
-            may_touch: Vec::new(),
+            effort: EffortInterface::Torque,
+            ..RobotSpec::default()
         };
         if let Some(joint) = overflowing(&spec.joints, &parameters) {
             let message = format!(
@@ -272,28 +255,23 @@ impl Tree<'_> {
             );
             return self.check.fault(self.at.clone(), message);
         }
-        match Robot::new(spec) {
-            Ok(robot) => {
-                let robot = robot.with_effort(EffortInterface::Torque);
-                let mut remarks = self.remarks;
-                remarks.extend(impossible(&robot, &parameters));
-                Ok(ImportedModel { robot, parameters, locked, collisions, snapped: self.snapped, remarks })
-            }
-            Err(fault) => self.check.fault(self.at.clone(), fault.to_string()),
-        }
+        let robot = Robot::new(spec).or_else(|fault| self.check.fault(self.at.clone(), fault.to_string()))?;
+        let mut remarks = self.remarks;
+        remarks.extend(impossible(&robot, &parameters));
+        Ok(ImportedModel { robot, parameters, locked, collisions, snapped: self.snapped, remarks })
     }
-}
 
-impl Tree<'_> {
+    /// Pose of a body in the frame of the root.
+    fn pose_in_root(&self, body: usize) -> Placement {
+        self.path(body).iter().fold(Placement::identity(), |pose, &b| pose.compose(&self.bodies[b].placement))
+    }
+
     /// The collision shapes on the links that carry their bodies; what does not hang on the base stands with it.
     fn collisions(&self, base: usize, carried: &[Option<(usize, Placement)>]) -> Vec<CollisionShape> {
-        let from_root = |body: usize| {
-            self.path(body).iter().fold(Placement::identity(), |pose, &b| pose.compose(&self.bodies[b].placement))
-        };
-        let to_base = from_root(base).inverse();
+        let to_base = self.pose_in_root(base).inverse();
         let mut shapes = Vec::new();
         for (b, body) in self.bodies.iter().enumerate() {
-            let beside = || (0, to_base.compose(&from_root(b)));
+            let beside = || (0, to_base.compose(&self.pose_in_root(b)));
             for (placement, geometry) in &body.shapes {
                 let (link, pose) = carried[b].unwrap_or_else(beside);
                 let placement = pose.compose(placement);
@@ -366,14 +344,6 @@ pub(super) fn moved(inertia: &Inertia, pose: &Placement) -> Inertia {
     let displaced = diagonal - cross - cross.transpose() - p * p.transpose() * m;
     let rotational = r * inertia.rotational * r.transpose() + displaced;
     Inertia { mass: m, first_moment: h + p * m, rotational: (rotational + rotational.transpose()) * 0.5 }
-}
-
-fn sum(a: &Inertia, b: &Inertia) -> Inertia {
-    Inertia {
-        mass: a.mass + b.mass,
-        first_moment: a.first_moment + b.first_moment,
-        rotational: a.rotational + b.rotational,
-    }
 }
 
 #[cfg(test)]

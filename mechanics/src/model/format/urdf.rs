@@ -15,7 +15,7 @@ use crate::model::term::{COULOMB, VISCOUS};
 use nalgebra::{Matrix3, Vector3};
 
 use super::collision::{Geometry, read_geometry};
-use super::element::{Element, NearlyRight, parse_xml, sincos, snapped_direction, snapped_sincos, turn_z_to};
+use super::element::{Element, NearlyRight, parse_xml, snapped_direction, snapped_sincos, turn_z_to};
 use super::error::FormatError;
 use super::reading::STANDARD_GRAVITY;
 use super::tree::{Body, ChainEnds, Connection, ImportedModel, MovingJoint, Tree, moved};
@@ -296,30 +296,21 @@ impl<'a> UrdfJoint<'a> {
 
 /// The `<origin>` of an inertial, the identity where there is none.
 pub(super) fn read_origin(element: Element<'_>) -> Result<Placement, FormatError> {
-    let Some([xyz, rpy]) = origin_numbers(element)? else { return Ok(Placement::identity()) };
-    Ok(placed(xyz, rpy.map(sincos)))
+    Ok(read_snapped_origin(element, NearlyRight::AsWritten)?.0)
 }
 
 /// The `<origin>` of a joint with right angles where it nearly has them, and by how much one was off at most, rad.
 fn read_snapped_origin(element: Element<'_>, nearly: NearlyRight) -> Result<(Placement, f64), FormatError> {
-    let Some([xyz, rpy]) = origin_numbers(element)? else { return Ok((Placement::identity(), 0.0)) };
-    let angles = rpy.map(|angle| snapped_sincos(angle, nearly));
-    let off = angles.iter().fold(0.0, |most: f64, (_, off)| most.max(*off));
-    Ok((placed(xyz, angles.map(|(angle, _)| angle)), off))
-}
-
-/// `xyz` and `rpy` of an element's `<origin>`.
-fn origin_numbers(element: Element<'_>) -> Result<Option<[[f64; 3]; 2]>, FormatError> {
-    let Some(origin) = element.only("origin")? else { return Ok(None) };
-    Ok(Some([origin.numbers("xyz")?.unwrap_or([0.0; 3]), origin.numbers("rpy")?.unwrap_or([0.0; 3])]))
-}
-
-/// `Tr(xyz) Rz(yaw) Ry(pitch) Rx(roll)`, each angle by its sine and cosine.
-fn placed([x, y, z]: [f64; 3], [roll, pitch, yaw]: [(f64, f64); 3]) -> Placement {
-    Placement::translation(x, y, z)
+    let Some(origin) = element.only("origin")? else { return Ok((Placement::identity(), 0.0)) };
+    let [x, y, z] = origin.numbers("xyz")?.unwrap_or_default();
+    let angles = origin.numbers::<3>("rpy")?.unwrap_or_default().map(|angle| snapped_sincos(angle, nearly));
+    let [(roll, _), (pitch, _), (yaw, _)] = angles;
+    // Tr(xyz) Rz(yaw) Ry(pitch) Rx(roll)
+    let placed = Placement::translation(x, y, z)
         .compose(&Placement::rotation_z(yaw.0, yaw.1))
         .compose(&Placement::rotation_y(pitch.0, pitch.1))
-        .compose(&Placement::rotation_x(roll.0, roll.1))
+        .compose(&Placement::rotation_x(roll.0, roll.1));
+    Ok((placed, angles.iter().fold(0.0, |most: f64, (_, off)| most.max(*off))))
 }
 
 /// The inertia of a link in its own frame; zero where the file gives none.

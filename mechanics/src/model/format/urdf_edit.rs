@@ -48,12 +48,12 @@ pub fn edit_urdf(text: &str, ends: &ChainEnds, parameters: &StandardParameters) 
         return root.fault(format!("parameters of {found} links, expected those of the chain's {expected}"));
     }
     let SharedInertias { bodies, remarks } = SharedInertias::of(&tree, base, &moving, &parameters.links)?;
-    let mut edit = Edit { text: TextEdit::of(text) };
+    let mut edit = TextEdit::of(text);
     for (b, inertia) in &bodies {
         let name = &tree.bodies[*b].name;
         if let Some(link) = root.all("link").find(|link| link.attribute("name").is_some_and(|own| own.value() == name))
         {
-            edit.inertial(link, inertia)?;
+            edit_inertial(&mut edit, link, inertia)?;
         }
     }
     for (index, &main) in moving.iter().enumerate() {
@@ -64,80 +64,73 @@ pub fn edit_urdf(text: &str, ends: &ChainEnds, parameters: &StandardParameters) 
         };
         if let Some(joint) = root.all("joint").find(of_child) {
             let drive = &parameters.drives[index];
-            edit.dynamics(joint, drive[VISCOUS], drive[COULOMB])?;
+            edit_dynamics(&mut edit, joint, drive[VISCOUS], drive[COULOMB])?;
         }
     }
-    Ok(EditedText { text: edit.text.done(), remarks })
+    Ok(EditedText { text: edit.done(), remarks })
 }
 
-struct Edit<'t> {
-    text: TextEdit<'t>,
-}
-
-impl Edit<'_> {
-    /// The inertia of a link, in the orientation that the file gives its `<inertial>`.
-    fn inertial(&mut self, link: Element<'_>, inertia: &Inertia) -> Result<(), FormatError> {
-        // Nothing has no centre: where it stands in the file says as much as any place.
-        let placed = inertia.com();
-        let com = placed.unwrap_or_default();
-        let about = inertia.about_com();
-        let Some(inertial) = link.only("inertial")? else {
-            let words = format!(
-                "<inertial><origin xyz=\"{}\" rpy=\"0 0 0\"/><mass value=\"{}\"/><inertia ixx=\"{:?}\" ixy=\"{:?}\" \
-                 ixz=\"{:?}\" iyy=\"{:?}\" iyz=\"{:?}\" izz=\"{:?}\"/></inertial>",
-                numbers(com.as_slice()),
-                numbers(&[inertia.mass]),
-                about[(0, 0)],
-                about[(0, 1)],
-                about[(0, 2)],
-                about[(1, 1)],
-                about[(1, 2)],
-                about[(2, 2)]
-            );
-            self.text.first_child(link, &words);
-            return Ok(());
-        };
-        let r = read_origin(inertial)?.rotation;
-        let turned = r.transpose() * about * r;
-        if let Some(mass) = inertial.only("mass")? {
-            match inertial.only("origin")? {
-                Some(origin) if placed.is_some() => self.text.set(origin, "xyz", [com.x, com.y, com.z])?,
-                Some(_) => {}
-                None if com == Vector3::zeros() => {}
-                None => {
-                    let gap = self.text.gap_before(mass.span().start).to_owned();
-                    self.text.insert(mass.span().start, format!("<origin xyz=\"{}\"/>{gap}", numbers(com.as_slice())));
-                }
-            }
-            self.text.set(mass, "value", [inertia.mass])?;
-        }
-        if let Some(six) = inertial.only("inertia")? {
-            for (key, (i, j)) in
-                [("ixx", (0, 0)), ("ixy", (0, 1)), ("ixz", (0, 2)), ("iyy", (1, 1)), ("iyz", (1, 2)), ("izz", (2, 2))]
-            {
-                self.text.set(six, key, [0.5 * (turned[(i, j)] + turned[(j, i)])])?;
+/// The inertia of a link, in the orientation that the file gives its `<inertial>`.
+fn edit_inertial(edit: &mut TextEdit<'_>, link: Element<'_>, inertia: &Inertia) -> Result<(), FormatError> {
+    // Nothing has no centre: where it stands in the file says as much as any place.
+    let placed = inertia.com();
+    let com = placed.unwrap_or_default();
+    let about = inertia.about_com();
+    let Some(inertial) = link.only("inertial")? else {
+        let words = format!(
+            "<inertial><origin xyz=\"{}\" rpy=\"0 0 0\"/><mass value=\"{}\"/><inertia ixx=\"{:?}\" ixy=\"{:?}\" \
+             ixz=\"{:?}\" iyy=\"{:?}\" iyz=\"{:?}\" izz=\"{:?}\"/></inertial>",
+            numbers(com.as_slice()),
+            numbers(&[inertia.mass]),
+            about[(0, 0)],
+            about[(0, 1)],
+            about[(0, 2)],
+            about[(1, 1)],
+            about[(1, 2)],
+            about[(2, 2)]
+        );
+        edit.first_child(link, &words);
+        return Ok(());
+    };
+    let r = read_origin(inertial)?.rotation;
+    let turned = r.transpose() * about * r;
+    if let Some(mass) = inertial.only("mass")? {
+        match inertial.only("origin")? {
+            Some(origin) if placed.is_some() => edit.set(origin, "xyz", [com.x, com.y, com.z])?,
+            Some(_) => {}
+            None if com == Vector3::zeros() => {}
+            None => {
+                let gap = edit.gap_before(mass.span().start).to_owned();
+                edit.insert(mass.span().start, format!("<origin xyz=\"{}\"/>{gap}", numbers(com.as_slice())));
             }
         }
-        Ok(())
+        edit.set(mass, "value", [inertia.mass])?;
     }
-
-    fn dynamics(&mut self, joint: Element<'_>, damping: f64, friction: f64) -> Result<(), FormatError> {
-        if let Some(dynamics) = joint.only("dynamics")? {
-            for (key, value) in [("damping", damping), ("friction", friction)] {
-                if value != dynamics.number(key)?.unwrap_or(0.0) {
-                    self.text.set(dynamics, key, [value])?;
-                }
-            }
-        } else if (damping, friction) != (0.0, 0.0)
-            && let Some(last) = joint.elements().last()
+    if let Some(six) = inertial.only("inertia")? {
+        for (key, (i, j)) in
+            [("ixx", (0, 0)), ("ixy", (0, 1)), ("ixz", (0, 2)), ("iyy", (1, 1)), ("iyz", (1, 2)), ("izz", (2, 2))]
         {
-            let gap = self.text.gap_before(last.range().start).to_owned();
-            let (damping, friction) = (numbers(&[damping]), numbers(&[friction]));
-            self.text
-                .insert(last.range().end, format!("{gap}<dynamics damping=\"{damping}\" friction=\"{friction}\"/>"));
+            edit.set(six, key, [0.5 * (turned[(i, j)] + turned[(j, i)])])?;
         }
-        Ok(())
     }
+    Ok(())
+}
+
+fn edit_dynamics(edit: &mut TextEdit<'_>, joint: Element<'_>, damping: f64, friction: f64) -> Result<(), FormatError> {
+    if let Some(dynamics) = joint.only("dynamics")? {
+        for (key, value) in [("damping", damping), ("friction", friction)] {
+            if value != dynamics.number(key)?.unwrap_or(0.0) {
+                edit.set(dynamics, key, [value])?;
+            }
+        }
+    } else if (damping, friction) != (0.0, 0.0)
+        && let Some(last) = joint.elements().last()
+    {
+        let gap = edit.gap_before(last.range().start).to_owned();
+        let (damping, friction) = (numbers(&[damping]), numbers(&[friction]));
+        edit.insert(last.range().end, format!("{gap}<dynamics damping=\"{damping}\" friction=\"{friction}\"/>"));
+    }
+    Ok(())
 }
 
 #[cfg(test)]

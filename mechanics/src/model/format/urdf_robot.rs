@@ -26,7 +26,7 @@ use super::embedded_urdf::{EmbeddedTable, urdf_of};
 use super::error::FormatError;
 use super::joint_tables::{DriveTable, JointTables, LimitsTable};
 use super::point_tables::{PointTable, read_points};
-use super::reading::{Check, Number, Row, quoted, read};
+use super::reading::{Check, Number, Row, read};
 use super::robot_model::RobotModel;
 use super::servo_table::{ServoTable, read_servo};
 use super::shape_tables::{
@@ -37,8 +37,9 @@ use super::tree::ImportedModel;
 use super::uncertainty_table::{UncertaintyTable, read_uncertainty};
 use super::urdf::parse_urdf;
 use crate::model::joint::Joint;
-use crate::model::robot::Robot;
+use crate::model::robot::{Robot, RobotSpec};
 use crate::model::servo::EffortInterface;
+use crate::provenance::sha256;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -100,20 +101,13 @@ pub(super) fn read_urdf_robot(text: &str) -> Result<RobotModel, FormatError> {
     })?;
     let ImportedModel { robot, mut parameters, locked, collisions, snapped: _, remarks } = imported;
     let effort = file.effort.unwrap_or_else(|| robot.effort());
-    let mut spec = robot.into_spec();
+    let mut spec = RobotSpec::from(robot);
     let names: Vec<String> = spec.joints.iter().map(|joint| joint.name.clone()).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let mut stated: Vec<Option<&Spanned<JointTable>>> = vec![None; names.len()];
+    let mut seen = vec![false; names.len()];
     for table in &file.joint {
-        let name = &table.get_ref().name;
-        let Some(index) = names.iter().position(|known| known == name.get_ref()) else {
-            let message = format!("joint \"{}\" is not there, expected one of {}", name.get_ref(), quoted(&names));
-            return check.fault(name.span(), message);
-        };
-        if stated[index].replace(table).is_some() {
-            let message = format!("joint \"{}\" is there twice, expected it once", name.get_ref());
-            return check.fault(name.span(), message);
-        }
+        stated[check.place("joint", &table.get_ref().name, &names, &mut seen)?] = Some(table);
     }
     for (joint, table) in spec.joints.iter_mut().zip(&stated) {
         match table {
@@ -141,19 +135,12 @@ pub(super) fn read_urdf_robot(text: &str) -> Result<RobotModel, FormatError> {
     for table in &file.may_touch {
         spec.may_touch.push(read_touch(check, table, &names)?);
     }
-    let points = read_points(check, &file.point, &|link| link_index(check, link, &names))?;
-    let servo = file.servo.as_ref().map(|table| read_servo(check, table)).transpose()?;
-    let uncertainty = read_uncertainty(check, &file.uncertainty)?;
-    let robot = match Robot::new(spec) {
-        Ok(robot) => servo
-            .into_iter()
-            .fold(robot, Robot::with_servo)
-            .with_uncertainty(uncertainty)
-            .with_effort(effort)
-            .with_points(points)
-            .read_from(text),
-        Err(fault) => return check.fault(at, fault.to_string()),
-    };
+    spec.points = read_points(check, &file.point, &|link| link_index(check, link, &names))?;
+    spec.effort = effort;
+    spec.servo = file.servo.as_ref().map(|table| read_servo(check, table)).transpose()?;
+    spec.uncertainty = read_uncertainty(check, &file.uncertainty)?;
+    spec.source_sha256 = sha256(text);
+    let robot = Robot::new(spec).or_else(|fault| check.fault(at, fault.to_string()))?;
     for (index, table) in stated.iter().enumerate().filter_map(|(index, table)| Some((index, (*table)?))) {
         let terms = &table.get_ref().terms;
         if let Some(key) = terms.keys().find(|key| !term_keys().any(|known| known == key.get_ref())) {

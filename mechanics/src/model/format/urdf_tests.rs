@@ -372,9 +372,7 @@ fn with_plain_sign(robot: &Robot, other: &Robot) -> Robot {
         base: *robot.base(),
         joints,
         coupling: None,
-        shapes: Vec::new(),
-        obstacles: Vec::new(),
-        may_touch: Vec::new(),
+        ..crate::model::RobotSpec::default()
     })
     .unwrap()
 }
