@@ -59,6 +59,7 @@ pub fn check<A: Arm>(plan: &ExperimentPlan, tolerance: &ArmTolerance, make: impl
 }
 
 /// Receives everything and judges nothing.
+#[derive(Default)]
 struct Witness {
     announced: usize,
     early: bool,
@@ -98,20 +99,13 @@ struct Received {
     layout: Layout,
     ending: Ending,
     recording: Recording,
-    phases: Vec<Phase>,
-    indices: Vec<usize>,
-    tracking: f64,
-}
-
-fn witness(until: usize) -> Witness {
-    let (phases, indices) = (Vec::new(), Vec::new());
-    Witness { announced: 0, early: false, recording: None, phases, indices, tracking: 0.0, until }
+    seen: Witness,
 }
 
 fn perform(law: &'static str, arm: &mut dyn Arm, plan: &ExperimentPlan, until: usize) -> Result<Received, LawError> {
     let fault = |found: String, expected: &'static str| LawError { law, found, expected: expected.into() };
     let layout = plan.layout().map_err(|e| fault(e.to_string(), "a plan that can be performed"))?;
-    let mut witness = witness(until);
+    let mut witness = Witness { until, ..Witness::default() };
     let ending = arm.perform(plan, &mut witness).map_err(|e| fault(e.to_string(), "an experiment"))?;
     let law = "a recording is announced once, before its samples";
     LawError::unless(
@@ -120,9 +114,8 @@ fn perform(law: &'static str, arm: &mut dyn Arm, plan: &ExperimentPlan, until: u
         format!("{} announcements", witness.announced),
         "one",
     )?;
-    let Witness { recording, phases, indices, tracking, .. } = witness;
-    let recording = recording.ok_or_else(|| fault("none".to_owned(), "a recording"))?;
-    Ok(Received { layout, ending, recording, phases, indices, tracking })
+    let recording = witness.recording.take().ok_or_else(|| fault("none".to_owned(), "a recording"))?;
+    Ok(Received { layout, ending, recording, seen: witness })
 }
 
 fn announcement(plan: &ExperimentPlan, received: &Received) -> Result<(), LawError> {
@@ -151,15 +144,20 @@ fn samples(plan: &ExperimentPlan, tolerance: &ArmTolerance, received: &Received)
     let expected = total * recording.dof;
     LawError::unless(law, lengths == (expected, expected), format!("{lengths:?} values"), expected.to_string())?;
     for k in 0..total {
-        LawError::unless(law, received.indices[k] == k, format!("index {}", received.indices[k]), k.to_string())?;
+        LawError::unless(
+            law,
+            received.seen.indices[k] == k,
+            format!("index {}", received.seen.indices[k]),
+            k.to_string(),
+        )?;
         let tick = (recording.t[k] * plan.rate_hz - k as f64).abs();
         LawError::unless_at_most(law, tick, tolerance.jitter.max(1e-12 * k as f64))?;
-        let (found, expected) = (received.phases[k], received.layout.phase(k));
+        let (found, expected) = (received.seen.phases[k], received.layout.phase(k));
         LawError::unless(law, found == expected, found.name(), expected.name())?;
     }
     let finite = recording.q.iter().chain(&recording.effort).all(|x| x.is_finite());
     LawError::unless("every value is finite", finite, "one that is not", "finite numbers")?;
-    LawError::unless_at_most("the arm follows its command", received.tracking, tolerance.tracking)
+    LawError::unless_at_most("the arm follows its command", received.seen.tracking, tolerance.tracking)
 }
 
 fn stopping<A: Arm>(plan: &ExperimentPlan, make: &impl Fn() -> A) -> Result<(), LawError> {
@@ -181,7 +179,7 @@ fn refusal<A: Arm>(plan: &ExperimentPlan, make: &impl Fn() -> A) -> Result<(), L
     let never = ExperimentPlan { periods: 0, ..plan.clone() };
     let between = ExperimentPlan { rate_hz: plan.rate_hz * 0.999_77, ..plan.clone() };
     for impossible in [wide, never, between] {
-        let mut witness = witness(1);
+        let mut witness = Witness { until: 1, ..Witness::default() };
         let answer = make().perform(&impossible, &mut witness);
         LawError::unless(law, answer.is_err(), format!("{answer:?}"), "an error")?;
         LawError::unless(law, witness.announced == 0, "an announcement", "none")?;

@@ -296,7 +296,7 @@ fn tenth_off(robot: &Robot, columns: Columns, of: &StandardParameters) -> Standa
 }
 
 fn refused(law: EstimatorLaw, error: &EstimationError) -> LawError {
-    LawError { law: law.sentence(), found: error.to_string(), expected: "an estimate".into() }
+    LawError::failed(law.sentence(), error, "an estimate")
 }
 
 /// Whether the second estimate is the first with parameter j in a unit `factor(j)` times smaller.

@@ -57,6 +57,11 @@ impl LawError {
         }
     }
 
+    /// Breaks by an error where something is expected.
+    pub(super) fn failed(law: &'static str, fault: &impl fmt::Display, expected: impl Into<Requirement>) -> Self {
+        Self { law, found: fault.to_string(), expected: expected.into() }
+    }
+
     /// Breaks unless `holds`.
     pub(super) fn unless(
         law: &'static str,

@@ -108,11 +108,7 @@ impl<P: Plant, F: Fn(&Robot, &StandardParameters) -> P> Case<'_, F> {
         steps: usize,
     ) -> Result<(Vec<f64>, Vec<f64>), LawError> {
         for _ in 0..steps {
-            plant.step(tau, dt).map_err(|fault| LawError {
-                law,
-                found: fault.to_string(),
-                expected: "a plant that goes on".into(),
-            })?;
+            plant.step(tau, dt).map_err(|fault| LawError::failed(law, &fault, "a plant that goes on"))?;
         }
         let (q, qd) = plant.state();
         Ok((q.to_vec(), qd.to_vec()))

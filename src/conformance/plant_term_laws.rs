@@ -153,11 +153,7 @@ impl Arm {
             let [tau, _] = self.predicted(&regressor, (&q, &qd, &qdd));
             let mut rate = |dt: f64| -> Result<Vec<f64>, LawError> {
                 plant.reset(&q, &qd);
-                plant.step(&tau, dt).map_err(|fault| LawError {
-                    law,
-                    found: fault.to_string(),
-                    expected: "a plant that goes on".into(),
-                })?;
+                plant.step(&tau, dt).map_err(|fault| LawError::failed(law, &fault, "a plant that goes on"))?;
                 Ok(plant.state().1.iter().zip(&qd).map(|(after, before)| (after - before) / dt).collect())
             };
             let rates = [rate(STEP)?, rate(STEP / 2.0)?, rate(STEP / 4.0)?];

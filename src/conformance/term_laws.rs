@@ -58,11 +58,8 @@ pub fn check_files(term: Term) -> Result<(), LawError> {
     for run in 0..ARMS {
         let Arm { robot, parameters, .. } = Arm::draw(term, run);
         let text = write_parameters(&robot, &parameters, "a test");
-        let read = parse_parameters(&text, &robot, false).map_err(|fault| LawError {
-            law,
-            found: fault.to_string(),
-            expected: text.clone().into(),
-        })?;
+        let read = parse_parameters(&text, &robot, false);
+        let read = read.map_err(|fault| LawError::failed(law, &fault, text.clone()))?;
         LawError::unless(law, read.parameters == parameters, format!("{:?}", read.parameters.drives), text)?;
     }
     Ok(())
@@ -279,7 +276,7 @@ impl Arm {
         }
         let qr = BaseReduction::from_stack(regressor.parameters(), &regressor.stack(&states), Method::Qr);
         let structural = reduce(&self.robot, self.columns, Method::Structural, Seed::new(0))
-            .map_err(|fault| LawError { law, found: fault.to_string(), expected: "a reduction".into() })?;
+            .map_err(|fault| LawError::failed(law, &fault, "a reduction"))?;
         LawError::unless(law, structural.names() == qr.names(), structural.names().join(" "), qr.names().join(" "))?;
         let error = (&structural.k - &qr.k).amax() / qr.k.amax().max(1.0);
         LawError::unless_at_most(law, error, 1e-7)

@@ -16,21 +16,12 @@ pub enum Agreement {
     OneRobot,
 }
 
+crate::input::named! { Agreement as words {
+    Same: "the same on every robot", InPart: "significant on some robots", Reversed: "reversed",
+    Undecided: "not significant on any robot", OneRobot: "on one robot only"
+} }
+
 impl Agreement {
-    /// Every one, in the order of tables.
-    pub const ALL: [Self; 5] = [Self::Same, Self::InPart, Self::Reversed, Self::Undecided, Self::OneRobot];
-
-    /// In words.
-    pub const fn words(self) -> &'static str {
-        match self {
-            Self::Same => "the same on every robot",
-            Self::Reversed => "reversed",
-            Self::InPart => "significant on some robots",
-            Self::Undecided => "not significant on any robot",
-            Self::OneRobot => "on one robot only",
-        }
-    }
-
     /// What the robots that have both families say: the better one on each, `None` if not significant.
     pub fn of(better: &[Option<&str>]) -> Self {
         if better.len() < 2 {

@@ -23,7 +23,7 @@ use crate::statistics::{
 };
 
 /// The difference between two families of designs in one metric.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Comparison {
     /// The metric.
     pub metric: Metric,
@@ -139,9 +139,8 @@ impl Evidence<'_> {
         unit: Replication,
         found: &MeanDifference,
     ) -> Comparison {
-        let Interval { low, high } = found.interval;
         Comparison {
-            interval: Some(Interval { low: libm::exp(low), high: libm::exp(high) }),
+            interval: Some(found.interval.exp()),
             unit: Some(unit),
             degrees_of_freedom: Some(found.degrees_of_freedom),
             p: Some(found.p),
@@ -197,12 +196,7 @@ impl Evidence<'_> {
             first: self.families[pair[0]].clone(),
             second: self.families[pair[1]].clone(),
             difference,
-            interval: None,
-            unit: None,
-            degrees_of_freedom: None,
-            p: None,
-            p_adjusted: None,
-            better: None,
+            ..Comparison::default()
         }
     }
 }

@@ -12,7 +12,7 @@ pub struct CriterionCorrelation {
     /// Name of the estimator.
     pub estimator: String,
     /// The metric of single runs.
-    #[serde(default = "first_metric")]
+    #[serde(default)]
     pub metric: Metric,
     /// Spearman's rank correlation over designs with the median over runs of the metric.
     pub rank_correlation: Option<f64>,
@@ -21,11 +21,6 @@ pub struct CriterionCorrelation {
     pub interval: Option<Interval>,
     /// Number of designs.
     pub designs: usize,
-}
-
-/// The metric of results that were stored without one.
-const fn first_metric() -> Metric {
-    Metric::Prediction
 }
 
 impl Evidence<'_> {

@@ -199,7 +199,7 @@ impl StudySetup {
         let pooled: Vec<f64> = pairs.values().flatten().copied().collect();
         let units = if means.len() > 1 { &means } else { &pooled };
         let ratio = (!pooled.is_empty()).then(|| libm::exp(mean(&pooled)));
-        let interval = t_interval(units, 0.95).map(|i| Interval { low: libm::exp(i.low), high: libm::exp(i.high) });
+        let interval = t_interval(units, 0.95).map(Interval::exp);
         let kind_ratios = names.iter().map(|name| {
             let squares: Vec<f64> = kinds
                 .iter()
@@ -210,7 +210,7 @@ impl StudySetup {
             (!squares.is_empty() && score.runs > 0).then(|| mean(&squares).sqrt())
         });
         let parameters: Vec<ParameterBias> = if score.runs > 0 {
-            score.parameters.iter().zip(self.scorer().units()).map(|(p, &unit)| ParameterBias::of(p, unit)).collect()
+            score.parameters.iter().zip(&self.scorer.units).map(|(p, &unit)| ParameterBias::of(p, unit)).collect()
         } else {
             Vec::new()
         };

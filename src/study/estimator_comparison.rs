@@ -95,7 +95,6 @@ impl Evidence<'_> {
         if units.is_empty() {
             return Ok(None);
         }
-        let back = |interval: Interval| Interval { low: libm::exp(interval.low), high: libm::exp(interval.high) };
         Ok(Some(EstimatorComparison {
             metric,
             family: self.families[family].clone(),
@@ -104,7 +103,7 @@ impl Evidence<'_> {
             runs,
             failures,
             ratio: libm::exp(mean(&units)),
-            interval: t_interval(&units, LEVEL).map(back),
+            interval: t_interval(&units, LEVEL).map(Interval::exp),
         }))
     }
 }

@@ -114,8 +114,7 @@ impl StudySetup {
                 made.iter().map(|estimates| estimates[e].as_ref().map_err(Clone::clone)).collect();
             match each.and_then(|each| together(&each).map_err(|fault| RunError::estimator(&fault))) {
                 Ok(mut scored) => {
-                    scored.score =
-                        Some(self.scorer().score(&DVector::from_column_slice(&scored.beta), truth, measured));
+                    scored.score = Some(self.scorer.score(&DVector::from_column_slice(&scored.beta), truth, measured));
                     scored
                 }
                 Err(failure) => ScoredEstimate::failed(name, failure),
@@ -170,12 +169,11 @@ fn together(estimates: &[&Estimate]) -> Result<ScoredEstimate, &'static str> {
     let quantile = last.half_width().component_div(&unit);
     Ok(ScoredEstimate {
         estimator: last.estimator.clone(),
-        failure: None,
         beta: beta.as_slice().to_vec(),
         half_width: std.iter().zip(quantile.iter()).map(|(std, quantile)| std * quantile).collect(),
         std,
         residual_rms: last.residual_rms.clone(),
-        score: None,
+        ..ScoredEstimate::default()
     })
 }
 

@@ -10,10 +10,11 @@ use crate::experiment::Effects;
 use crate::trajectory::Family;
 
 /// How the designs of a family are made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DesignMethod {
     /// By the optimiser, from independent starts.
+    #[default]
     Optimised,
     /// The best of as many random draws as the optimiser has evaluations.
     Random,
@@ -34,7 +35,7 @@ pub enum HarmonicsPlan {
 }
 
 /// Designs of one method and criterion; a criterion is judged by its family, never by one design.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FamilyPlan {
     /// Name in tables and figures.

@@ -15,7 +15,7 @@ pub(super) const VOLUME_RUNS: usize = 4;
 pub(super) const VOLUME_RESAMPLES: usize = 200;
 
 /// The score of a family of designs with one estimator.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct FamilyScore {
     /// Name of the family.
     pub family: String,
@@ -113,10 +113,9 @@ impl Evidence<'_> {
             intervals: vec![None; Metric::ALL.len()],
             std_over_bound: quantile(&over_bound, 0.5),
             bound_in_units: quantile(&in_units, 0.5).filter(|value| value.is_finite()),
-            prediction_spread: None,
-            reference_spread: None,
             coverage: mean(&parameters.iter().map(|p| p.coverage).collect::<Vec<_>>()),
             parameters,
+            ..FamilyScore::default()
         })
     }
 
@@ -149,11 +148,10 @@ impl Evidence<'_> {
         scores: &mut [FamilyScore],
     ) {
         let place = place_of(metric);
-        let back = |interval: Interval| Interval { low: libm::exp(interval.low), high: libm::exp(interval.high) };
         for (family, score) in scores.iter_mut().enumerate() {
             let units = self.units_of(family, runs, logs).values();
             score.values[place] = (!units.is_empty()).then(|| libm::exp(mean(&units)));
-            score.intervals[place] = t_interval(&units, LEVEL).filter(|of| of.low.is_finite()).map(back);
+            score.intervals[place] = t_interval(&units, LEVEL).filter(|of| of.low.is_finite()).map(Interval::exp);
         }
     }
 

@@ -31,15 +31,9 @@ impl GridPlan {
                         criterion: Some(criterion.clone()),
                         family: Some(family.clone()),
                         harmonics: Some(HarmonicsPlan::Every(harmonics)),
-                        freeze: std::collections::BTreeMap::new(),
-                        rms_speed: None,
-                        after: None,
                         starts: self.starts,
                         evaluations: self.evaluations,
-                        expected: crate::experiment::Effects::none(),
-                        runs: None,
-                        robots: Vec::new(),
-                        of_starts: None,
+                        ..FamilyPlan::default()
                     });
                 }
             }

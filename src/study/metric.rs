@@ -3,10 +3,11 @@
 use super::outcome::ScoredEstimate;
 
 /// A metric in which designs are compared; the first decides.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Metric {
     /// Torque prediction RMSE on random motions, N·m.
+    #[default]
     Prediction,
     /// Error of the predicted torque, each joint over its torque rating.
     PredictionOfRating,

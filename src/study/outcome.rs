@@ -23,7 +23,7 @@ pub struct Outcome {
 }
 
 /// One estimate with its score.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ScoredEstimate {
     /// Name of the estimator.
     pub estimator: String,
@@ -69,14 +69,6 @@ impl ScoredEstimate {
 
     /// An estimator that gave no estimate, and why.
     pub fn failed(estimator: &str, failure: RunError) -> Self {
-        Self {
-            estimator: estimator.to_owned(),
-            failure: Some(failure),
-            beta: Vec::new(),
-            std: Vec::new(),
-            half_width: Vec::new(),
-            residual_rms: Vec::new(),
-            score: None,
-        }
+        Self { estimator: estimator.to_owned(), failure: Some(failure), ..Self::default() }
     }
 }

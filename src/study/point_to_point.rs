@@ -30,9 +30,12 @@ const UNLIMITED_SPEED: f64 = 1.0;
 /// A quintic move between two poses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointToPointMove {
-    from: Vec<f64>,
-    to: Vec<f64>,
-    duration_s: f64,
+    /// The pose that it begins at, n, rad or m.
+    pub from: Vec<f64>,
+    /// The pose that it ends at, n, rad or m.
+    pub to: Vec<f64>,
+    /// How long it takes, s.
+    pub duration_s: f64,
 }
 
 impl PointToPointMove {
@@ -68,21 +71,6 @@ impl PointToPointMove {
         let joints = robot.joints().iter().enumerate().map(joint).collect();
         let period_s = whole(2.0 * KNOTS_AT_REST as f64 * knot_s);
         PeriodicTrajectory::BSpline(BSplineTrajectory { period_s, degree: 5, joints })
-    }
-
-    /// The pose that it begins at, n, rad or m.
-    pub fn from(&self) -> &[f64] {
-        &self.from
-    }
-
-    /// The pose that it ends at, n, rad or m.
-    pub fn to(&self) -> &[f64] {
-        &self.to
-    }
-
-    /// How long it takes, s.
-    pub const fn duration_s(&self) -> f64 {
-        self.duration_s
     }
 
     /// `count` states from the first pose to the last, at `t_k = k T / (count − 1)`.
@@ -122,7 +110,7 @@ mod tests {
             let limits = Limits { velocity, acceleration, jerk, ..Limits::NONE };
             let robot = chains::planar_2r().with_joints(|joint| joint.limits = limits).unwrap();
             let made = PointToPointMove::within_limits(&robot, vec![0.0, 0.3], vec![1.0, 0.2], 0.8);
-            assert!((made.duration_s() - duration).abs() < 1e-12 * duration, "{} {duration}", made.duration_s());
+            assert!((made.duration_s - duration).abs() < 1e-12 * duration, "{} {duration}", made.duration_s);
             let states = made.sample(2001);
             let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
             let uses = [largest(&states.qd) / velocity.min(1e3), largest(&states.qdd) / acceleration];
@@ -152,7 +140,7 @@ mod tests {
         let peak = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         assert!((peak(&repeated.qd) / peak(&states.qd) - 115.0 / 192.0 / 0.55).abs() < 1e-5);
         assert!((peak(&repeated.qdd) / peak(&states.qdd) - 1.098).abs() < 0.001);
-        let step = made.duration_s() / (count - 1) as f64;
+        let step = made.duration_s / (count - 1) as f64;
         for j in 0..n {
             let (mut speed, mut way) = (0.0, 0.0);
             for k in 1..count {

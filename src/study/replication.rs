@@ -34,20 +34,11 @@ pub enum Replication {
     Resampled,
 }
 
-impl Replication {
-    /// Name in tables, that of stored results.
-    pub const fn words(self) -> &'static str {
-        match self {
-            Self::PairedDesigns => "paired designs",
-            Self::PairedDesignsAndDraws => "paired designs and draws",
-            Self::Designs => "designs",
-            Self::DesignsAndRuns => "designs and runs",
-            Self::PairedRuns => "paired runs",
-            Self::Runs => "runs",
-            Self::Resampled => "resampled designs and runs",
-        }
-    }
-}
+// Names in tables, those of stored results.
+crate::input::named! { Replication as words {
+    PairedDesigns: "paired designs", PairedDesignsAndDraws: "paired designs and draws", Designs: "designs",
+    DesignsAndRuns: "designs and runs", PairedRuns: "paired runs", Runs: "runs", Resampled: "resampled designs and runs"
+} }
 
 /// The values of one family that count as independent, each with the place that its partner in another family has too.
 #[derive(Debug)]

@@ -107,7 +107,7 @@ impl StudySetup {
         (conditions, effect_sensitivity): (Vec<ConditionResult>, Option<EffectSensitivity>),
         radkhah2007: Option<Reproduction>,
     ) -> StudyResult {
-        let (truth, units) = (&self.scorer().truths()[0], self.scorer().units());
+        let (truth, units) = (&self.scorer.truths[0], &self.scorer.units);
         let parameter = |(i, (name, expression)): (usize, (String, String))| {
             let id = self.base.parameters[self.base.kept[i]];
             let unit = id.kind.unit(self.robot.joints()[id.index].kind).to_owned();
@@ -128,7 +128,7 @@ impl StudySetup {
             parameters,
             designs,
             bounds,
-            drawn_truths: self.scorer().truths()[1..].iter().map(|beta| beta.as_slice().to_vec()).collect(),
+            drawn_truths: self.scorer.truths[1..].iter().map(|beta| beta.as_slice().to_vec()).collect(),
             conditions,
             effect_sensitivity,
             radkhah2007,

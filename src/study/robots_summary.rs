@@ -80,7 +80,7 @@ pub struct RobotDifference {
 }
 
 /// How many comparisons of one metric and estimator the robots agree on.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct AgreementCounts {
     /// The metric.
     pub metric: Metric,
@@ -220,16 +220,8 @@ fn counts(comparisons: &[RobotsComparison]) -> Vec<AgreementCounts> {
     for row in comparisons {
         let known = counts.iter().position(|count| count.metric == row.metric && count.estimator == row.estimator);
         let at = known.unwrap_or_else(|| {
-            counts.push(AgreementCounts {
-                metric: row.metric,
-                estimator: row.estimator.clone(),
-                same: 0,
-                in_part: 0,
-                reversed: 0,
-                undecided: 0,
-                one_robot: 0,
-                holds: true,
-            });
+            let (metric, estimator) = (row.metric, row.estimator.clone());
+            counts.push(AgreementCounts { metric, estimator, ..AgreementCounts::default() });
             counts.len() - 1
         });
         counts[at].add(row.agreement);

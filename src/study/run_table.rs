@@ -15,37 +15,18 @@ use super::status_count::StatusCount;
 
 /// One number of a run. Estimators and base parameters are counted from zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum RunNumber {
     /// Index of the truth of its arm.
     Truth,
-    /// A metric of an estimate; [`Metric::LogVolume`] is not defined for a single run.
-    Metric {
-        /// Of which estimator.
-        estimator: usize,
-        /// Which one.
-        metric: Metric,
-    },
-    /// Error β̂ − β of a base parameter.
-    Error {
-        /// Of which estimator.
-        estimator: usize,
-        /// Of which base parameter.
-        parameter: usize,
-    },
+    /// A metric of the estimate of one estimator; [`Metric::LogVolume`] is not defined for a single run.
+    Metric { estimator: usize, metric: Metric },
+    /// Error β̂ − β of a base parameter by one estimator.
+    Error { estimator: usize, parameter: usize },
     /// Standard deviation that the estimator states.
-    Std {
-        /// Of which estimator.
-        estimator: usize,
-        /// Of which base parameter.
-        parameter: usize,
-    },
+    Std { estimator: usize, parameter: usize },
     /// Half width of the 95 % interval that the estimator states.
-    HalfWidth {
-        /// Of which estimator.
-        estimator: usize,
-        /// Of which base parameter.
-        parameter: usize,
-    },
+    HalfWidth { estimator: usize, parameter: usize },
 }
 
 impl RunNumber {

@@ -23,8 +23,10 @@ use crate::regressor::JointTorqueRegressor;
 /// Scores estimates against the truth, which it holds.
 #[derive(Clone, Debug)]
 pub struct Scorer {
-    truths: Vec<DVector<f64>>,
-    units: DVector<f64>,
+    /// The true base parameters β of each truth, length b; the robot's own first.
+    pub truths: Vec<DVector<f64>>,
+    /// The declared unit of each base parameter, length b.
+    pub units: DVector<f64>,
     ratings: Vec<f64>,
     random: PredictedTorque,
     slow: PredictedTorque,
@@ -92,16 +94,6 @@ impl Scorer {
             moves: on(MotionKind::PointToPoint),
             poses: moves_torque.then_some(poses),
         }
-    }
-
-    /// The true base parameters β of each truth, length b; the robot's own first.
-    pub fn truths(&self) -> &[DVector<f64>] {
-        &self.truths
-    }
-
-    /// The declared unit of each base parameter, length b.
-    pub const fn units(&self) -> &DVector<f64> {
-        &self.units
     }
 
     /// The score of an estimate β̂ (b) of the arm with one of the truths, and of what that arm measured afterwards.

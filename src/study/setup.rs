@@ -47,19 +47,25 @@ use crate::trajectory::PeriodicTrajectory;
 /// A study that is ready to run.
 #[derive(Debug)]
 pub struct StudySetup {
-    pub(super) plan: StudyPlan,
-    pub(super) robot: Robot,
+    /// The plan.
+    pub plan: StudyPlan,
+    /// The robot.
+    pub robot: Robot,
     pub(super) nominal: StandardParameters,
     pub(super) regressor: JointTorqueRegressor,
-    pub(super) base: BaseReduction,
+    /// The reduction to base parameters.
+    pub base: BaseReduction,
     pub(super) noise: DMatrix<f64>,
     truths: Vec<Truth>,
-    scorer: Scorer,
+    /// The scorer, which holds the truth.
+    pub scorer: Scorer,
     estimators: Vec<Arc<dyn Estimator>>,
-    pub(super) own: OwnMethods,
+    /// The methods from outside.
+    pub own: OwnMethods,
     closed_loops: Option<ClosedLoopFactory>,
     processing: Processing,
-    validation: ValidationMotions,
+    /// The motions on which predictions are tested.
+    pub validation: ValidationMotions,
 }
 
 /// What an estimator may look at of an experiment.
@@ -126,44 +132,9 @@ impl StudySetup {
         Self { closed_loops: Some(factory), ..self }
     }
 
-    /// The plan.
-    pub const fn plan(&self) -> &StudyPlan {
-        &self.plan
-    }
-
-    /// The robot.
-    pub const fn robot(&self) -> &Robot {
-        &self.robot
-    }
-
-    /// The methods from outside.
-    pub const fn own_methods(&self) -> &OwnMethods {
-        &self.own
-    }
-
-    /// The reduction to base parameters.
-    pub const fn base(&self) -> &BaseReduction {
-        &self.base
-    }
-
     /// The true parameters of the arm in this run.
     pub fn truth(&self, run: u64) -> &Truth {
         &self.truths[self.plan.truth_of(run)]
-    }
-
-    /// The scorer, which holds the truth.
-    pub const fn scorer(&self) -> &Scorer {
-        &self.scorer
-    }
-
-    /// How recordings are processed.
-    pub const fn processing(&self) -> &Processing {
-        &self.processing
-    }
-
-    /// The motions on which predictions are tested.
-    pub const fn validation(&self) -> &ValidationMotions {
-        &self.validation
     }
 
     /// Every design of the plan as (family, start), in the order in which designs are numbered.
@@ -351,8 +322,8 @@ impl StudySetup {
             families: &families,
             designs: &rows,
             estimators: &self.plan.identification.estimators,
-            truths: self.scorer.truths().len() - 1,
-            units: self.scorer.units(),
+            truths: self.scorer.truths.len() - 1,
+            units: &self.scorer.units,
             runs,
             condition,
             compare_with: &self.plan.compare_with,

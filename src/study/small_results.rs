@@ -27,15 +27,10 @@ pub(super) fn score(family: &str, prediction: Option<f64>) -> FamilyScore {
         estimator: ESTIMATOR.to_owned(),
         designs: 1,
         runs: usize::from(prediction.is_some()),
-        failures: 0,
         intervals: vec![None; values.len()],
         values,
-        std_over_bound: None,
-        bound_in_units: None,
-        prediction_spread: None,
-        reference_spread: None,
-        parameters: Vec::new(),
         coverage: 0.95,
+        ..FamilyScore::default()
     }
 }
 
@@ -68,11 +63,8 @@ pub(super) fn compared(
         second: pair[1].to_owned(),
         difference,
         interval: Some(Interval { low, high }),
-        unit: None,
-        degrees_of_freedom: None,
-        p: None,
-        p_adjusted: None,
         better: better.map(|place| pair[place].to_owned()),
+        ..Comparison::default()
     }
 }
 

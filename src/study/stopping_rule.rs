@@ -144,13 +144,12 @@ impl StoppingRule {
     /// The interval by the logarithms of the ratios of all pairs of starts so far.
     pub fn look(starts: usize, bound: f64, logs: &[f64]) -> Look {
         let interval = repeated_interval(logs, bound);
-        let back = |i: Interval| Interval { low: libm::exp(i.low), high: libm::exp(i.high) };
         Look {
             starts,
             pairs: logs.len(),
             bound,
             ratio: libm::exp(mean(logs)),
-            interval: interval.map(back),
+            interval: interval.map(Interval::exp),
             share: interval.map(|i| libm::expm1(0.5 * (i.high - i.low))),
         }
     }

@@ -63,7 +63,6 @@ impl Evidence<'_> {
             .collect();
         let least = logs.iter().copied().reduce(f64::min)?;
         let most = logs.iter().copied().reduce(f64::max)?;
-        let back = |interval: Interval| Interval { low: libm::exp(interval.low), high: libm::exp(interval.high) };
         let first_better = logs.iter().filter(|&&log| log < 0.0).count();
         Some(TruthComparison {
             metric,
@@ -72,8 +71,8 @@ impl Evidence<'_> {
             second: self.families[pair[1]].clone(),
             truths: logs.len(),
             ratio: libm::exp(mean(&logs)),
-            interval: t_interval(&logs, LEVEL).map(back),
-            range: back(Interval { low: least, high: most }),
+            interval: t_interval(&logs, LEVEL).map(Interval::exp),
+            range: Interval { low: least, high: most }.exp(),
             first_better,
             share_interval: wilson_interval(first_better, logs.len(), LEVEL),
         })

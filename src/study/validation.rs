@@ -75,10 +75,12 @@ const SMALLER: f64 = 0.95;
 /// `trajectories` of each kind with `samples` states each; of the poses as many as of states of another kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ValidationMotions {
-    random: Vec<PeriodicTrajectory>,
-    moves: Vec<PointToPointMove>,
-    /// What an arm performs beside its runs.
-    measured: Vec<PeriodicTrajectory>,
+    /// The random trajectories.
+    pub random: Vec<PeriodicTrajectory>,
+    /// The moves from point to point.
+    pub moves: Vec<PointToPointMove>,
+    /// The motions that an arm performs beside its runs: random ones, the same slowly, or moves there and back.
+    pub measured: Vec<PeriodicTrajectory>,
     poses: Vec<States>,
     /// Random motions that predictions are tested on; the arm may perform more.
     tested: usize,
@@ -136,21 +138,6 @@ impl ValidationMotions {
         };
         measured.truncate(settings.measured);
         Ok(Self { random, moves, measured, poses, tested, samples })
-    }
-
-    /// The random trajectories.
-    pub fn random(&self) -> &[PeriodicTrajectory] {
-        &self.random
-    }
-
-    /// The motions that an arm performs beside its runs: random ones, the same slowly, or moves there and back.
-    pub fn measured(&self) -> &[PeriodicTrajectory] {
-        &self.measured
-    }
-
-    /// The moves from point to point.
-    pub fn moves(&self) -> &[PointToPointMove] {
-        &self.moves
     }
 
     /// The states of one kind on which predictions are tested, motion by motion.

@@ -58,9 +58,9 @@ fn torque(robot: &Robot, parameters: &StandardParameters, states: &States) -> Ve
 /// States of one kind of motion far more densely than they are drawn and tested with.
 fn dense(motions: &ValidationMotions, kind: MotionKind) -> Vec<States> {
     match kind {
-        MotionKind::Random => motions.random().iter().map(|motion| motion.sample(2003)).collect(),
-        MotionKind::Slow => motions.random().iter().map(|motion| motion.at_speed(0.3).sample(2003)).collect(),
-        MotionKind::PointToPoint => motions.moves().iter().map(|made| made.sample(1999)).collect(),
+        MotionKind::Random => motions.random.iter().map(|motion| motion.sample(2003)).collect(),
+        MotionKind::Slow => motions.random.iter().map(|motion| motion.at_speed(0.3).sample(2003)).collect(),
+        MotionKind::PointToPoint => motions.moves.iter().map(|made| made.sample(1999)).collect(),
         MotionKind::Static => motions.states(MotionKind::Static),
     }
 }
@@ -104,8 +104,8 @@ fn what_an_arm_measures_is_inside_all_ratings_in_periods_of_whole_samples() {
         let (experiment, validation) = settings(1);
         let validation = ValidationSettings { measured: 3, measured_on, ..validation };
         let motions = ValidationMotions::draw(&robot, &nominal, &experiment, &validation, SEED).unwrap();
-        assert_eq!((motions.measured().len(), motions.random().len()), (3, 3));
-        for (motion, random) in motions.measured().iter().zip(motions.random()) {
+        assert_eq!((motions.measured.len(), motions.random.len()), (3, 3));
+        for (motion, random) in motions.measured.iter().zip(&motions.random) {
             let blocks = motion.period_s() * experiment.rate_hz / 500.0;
             assert!((blocks - blocks.round()).abs() < 1e-9, "{blocks}");
             assert_inside(&robot, &nominal, &motion.sample(4001), measured_on);
@@ -127,10 +127,10 @@ fn identity_random_motions_without_ratings_are_the_first_draws_and_others_are_dr
         })
         .collect();
     let free = robot.clone().with_joints(|joint| joint.limits.torque = f64::INFINITY).unwrap();
-    assert_eq!(draw(&free, &nominal, 20).random(), &first[..]);
+    assert_eq!(draw(&free, &nominal, 20).random, first);
     let motions = draw(&robot, &nominal, 20);
     let mut again = 0;
-    for (motion, first) in motions.random().iter().zip(&first) {
+    for (motion, first) in motions.random.iter().zip(&first) {
         let states: States = first.sample(2003);
         let tau = torque(&robot, &nominal, &states);
         let mut joints = (0..tau.len()).map(|row| tau[row].abs() / robot.joints()[row % 6].limits.torque);
@@ -144,8 +144,8 @@ fn identity_random_motions_without_ratings_are_the_first_draws_and_others_are_dr
     }
     assert!((1..10).contains(&again), "{again} of 20 were drawn again");
     // A motion does not depend on how many there are.
-    assert_eq!(draw(&robot, &nominal, 5).random(), &motions.random()[..5]);
-    assert_eq!(draw(&robot, &nominal, 5).moves(), &motions.moves()[..5]);
+    assert_eq!(draw(&robot, &nominal, 5).random, motions.random[..5]);
+    assert_eq!(draw(&robot, &nominal, 5).moves, motions.moves[..5]);
 }
 
 #[test]
@@ -155,7 +155,7 @@ fn identity_slow_motions_are_the_random_ones_in_longer_time() {
     let (random, slow) = (motions.states(MotionKind::Random), motions.states(MotionKind::Slow));
     let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
     let phi = nominal.vector(&robot, Columns::RIGID);
-    for ((motion, random), slow) in motions.random().iter().zip(&random).zip(&slow) {
+    for ((motion, random), slow) in motions.random.iter().zip(&random).zip(&slow) {
         let stretched = motion.at_speed(0.3).sample(40);
         assert_eq!(slow.q, random.q);
         for (found, expected) in [(&slow.q, &stretched.q), (&slow.qd, &stretched.qd), (&slow.qdd, &stretched.qdd)] {
@@ -173,10 +173,10 @@ fn identity_slow_motions_are_the_random_ones_in_longer_time() {
 fn moves_rest_at_their_poses_and_are_as_fast_as_the_limits_allow() {
     let (robot, nominal) = named("puma-560");
     let motions = draw(&robot, &nominal, 8);
-    for (made, states) in motions.moves().iter().zip(motions.states(MotionKind::PointToPoint)) {
+    for (made, states) in motions.moves.iter().zip(motions.states(MotionKind::PointToPoint)) {
         let last = states.len() - 1;
-        assert_eq!((states.q(0), states.qd(0), states.qdd(0)), (made.from(), &[0.0; 6][..], &[0.0; 6][..]));
-        assert!(states.q(last).iter().zip(made.to()).all(|(q, to)| (q - to).abs() < 1e-14));
+        assert_eq!((states.q(0), states.qd(0), states.qdd(0)), (&made.from[..], &[0.0; 6][..], &[0.0; 6][..]));
+        assert!(states.q(last).iter().zip(&made.to).all(|(q, to)| (q - to).abs() < 1e-14));
         assert!(states.qd(last).iter().chain(states.qdd(last)).all(|value| value.abs() == 0.0));
         // 90 % of a limit of motion, or a torque that a speed higher by a step would take beyond 90 % of its rating.
         let states = made.sample(2001);
@@ -218,7 +218,7 @@ fn motions_that_no_draw_keeps_inside_a_small_rating_become_smaller() {
     for kind in MotionKind::ALL {
         dense(&motions, kind).iter().for_each(|states| assert_inside(&robot, &nominal, states, kind));
     }
-    for motion in motions.random() {
+    for motion in &motions.random {
         let states = motion.sample(400);
         let fastest = states.qd.iter().fold(0.0_f64, |most, speed| most.max(speed.abs()));
         assert!(motion.period_s() == 10.0 && fastest > 0.05 && fastest < 0.8 * robot.joints()[0].limits.velocity);
@@ -233,19 +233,19 @@ fn an_arm_without_weight_has_no_score_at_rest() {
     let base = reduce(&robot, Columns::RIGID, Method::Structural, SEED).unwrap();
     let truths = [Truth::of(nominal)];
     let scorer = Scorer::new(&robot, &truths, &regressor, &base, &motions, &ReferenceUnits::default());
-    let score = scorer.score(&(&scorer.truths()[0] * 1.1), 0, None);
+    let score = scorer.score(&(&scorer.truths[0] * 1.1), 0, None);
     assert!(score.static_rmse_nm.is_none() && score.slow_rmse_nm > 0.0 && score.point_to_point_rmse_nm > 0.0);
 }
 
 #[test]
 fn identity_scores_of_the_truth_are_zero() {
     let setup = setup();
-    let score = setup.scorer().score(&setup.scorer().truths()[0], 0, None);
+    let score = setup.scorer.score(&setup.scorer.truths[0], 0, None);
     let found = [score.prediction_rmse_nm, score.slow_rmse_nm, score.point_to_point_rmse_nm];
     assert_eq!((found, score.static_rmse_nm, score.measured_rmse_nm), ([0.0; 3], Some(0.0), None));
     // Off by one unit in each parameter.
-    let score = setup.scorer().score(&(&setup.scorer().truths()[0] + setup.scorer().units()), 0, None);
-    let units = root_mean_square(setup.scorer().units().as_slice());
+    let score = setup.scorer.score(&(&setup.scorer.truths[0] + &setup.scorer.units), 0, None);
+    let units = root_mean_square(setup.scorer.units.as_slice());
     assert!((score.reference_rmse - 1.0).abs() < 1e-9 && (score.si_rmse / units - 1.0).abs() < 1e-9, "{score:?}");
 }
 
@@ -254,8 +254,8 @@ fn identity_scores_are_the_difference_of_torques_by_inverse_dynamics() {
     let setup = setup();
     let truth = setup.truth(0).parameters.clone();
     // An estimate that is the nominal arm: the torques of both come from recursions that no base parameter enters.
-    let estimate = setup.base().beta(&setup.nominal.vector(setup.robot(), setup.regressor.columns()));
-    let score = setup.scorer().score(&estimate, 0, None);
+    let estimate = setup.base.beta(&setup.nominal.vector(&setup.robot, setup.regressor.columns()));
+    let score = setup.scorer.score(&estimate, 0, None);
     let found = [
         Some(score.prediction_rmse_nm),
         Some(score.slow_rmse_nm),
@@ -263,10 +263,10 @@ fn identity_scores_are_the_difference_of_torques_by_inverse_dynamics() {
         score.static_rmse_nm,
     ];
     let (mut of_truth, mut of_nominal) =
-        (Dynamics::new(setup.robot(), &truth), Dynamics::new(setup.robot(), &setup.nominal));
+        (Dynamics::new(&setup.robot, &truth), Dynamics::new(&setup.robot, &setup.nominal));
     for (kind, found) in MotionKind::ALL.into_iter().zip(found) {
         let (mut differences, mut a, mut b) = (Vec::new(), [0.0; 6], [0.0; 6]);
-        for states in setup.validation().states(kind) {
+        for states in setup.validation.states(kind) {
             for k in 0..states.len() {
                 of_truth.inverse(states.q(k), states.qd(k), states.qdd(k), &mut a);
                 of_nominal.inverse(states.q(k), states.qd(k), states.qdd(k), &mut b);
@@ -276,7 +276,7 @@ fn identity_scores_are_the_difference_of_torques_by_inverse_dynamics() {
         let expected = root_mean_square(&differences);
         assert!(expected > 0.01 && (found.unwrap() / expected - 1.0).abs() < 1e-9, "{kind:?}: {found:?} {expected}");
         if kind == MotionKind::Random {
-            let rating = |row: usize| setup.robot().joints()[row % 6].limits.torque;
+            let rating = |row: usize| setup.robot.joints()[row % 6].limits.torque;
             let shares: Vec<f64> = differences.iter().enumerate().map(|(row, nm)| nm / rating(row)).collect();
             let (found, expected) = (score.prediction_rmse_of_rating, root_mean_square(&shares));
             assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");

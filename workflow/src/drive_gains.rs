@@ -41,7 +41,7 @@ pub struct DriveGainsAnswer {
     pub moved: Vec<Vec<f64>>,
     /// The logs without the load, and what they were made from.
     pub without: (String, Inputs),
-    /// The same with it.
+    /// The logs with the load, and what they were made from.
     pub with: (String, Inputs),
 }
 

@@ -117,7 +117,7 @@ pub fn validate(
     Ok(ValidationAnswer { verdicts: estimates.iter().map(verdict).collect::<Result<_, _>>()? })
 }
 
-/// The same of a model file, by its own inertias, damping, friction and armature. `name` is what errors call it.
+/// Compares what a model file predicts with a log, by its own inertias, damping, friction and armature. `name` is what errors call it.
 ///
 /// # Errors
 /// [`Error`] where the limit is not above zero, the file states no inertias, or it is of another arm; of

@@ -1,6 +1,6 @@
 //! What `armid identify` answers of the speeds of laws of friction, beside its estimates.
 
-use armid::estimation::{FrictionSpeed, FrictionSpeeds, HeldOutChange, SpeedValue};
+use armid::estimation::{FrictionSpeed, FrictionSpeeds, HeldOutChange, Measured};
 use armid::model::Robot;
 use armid::number::significant;
 use armid_workflow::identification::hidden_speeds;
@@ -56,7 +56,7 @@ pub(crate) fn speeds_text(speeds: &FrictionSpeeds, robot: &Robot, used: bool) ->
     ]);
     for of in &speeds.joints {
         let kind = robot.joints()[of.joint - 1].kind;
-        let three = |value: Option<SpeedValue>| match value {
+        let three = |value: Option<Measured>| match value {
             Some(of) => [of.value, of.ci95[0], of.ci95[1]].map(|value| significant(value, 3)),
             None => ["not shown", "–", "–"].map(str::to_owned),
         };

@@ -52,13 +52,15 @@ fn statuses(part: &ConditionResult) -> String {
     counts.collect::<Vec<_>>().join(", ")
 }
 
+/// Whether these are the two criteria of the question.
+fn are_asked_about(families: [&str; 2]) -> bool {
+    families.iter().all(|family| ["condition", "d-optimal"].contains(family))
+}
+
 /// The two criteria of the question, by every metric.
 fn headline(text: &mut String, findings: &Findings, estimator: &str) {
-    let pair = findings.comparisons.iter().filter(|c| {
-        c.estimator == estimator
-            && [&c.first, &c.second].iter().all(|f| ["condition", "d-optimal"].contains(&f.as_str()))
-    });
-    for c in pair {
+    for c in findings.comparisons.iter().filter(|c| c.estimator == estimator && are_asked_about([&c.first, &c.second]))
+    {
         let sign = if c.metric.is_logarithmic() { "−" } else { "/" };
         let unit = c.unit.map_or_else(String::new, |unit| format!(" over {}", unit.words()));
         let interval = c.interval.map_or_else(String::new, |i| format!(" [{:.3}, {:.3}]{unit}", i.low, i.high));
@@ -76,13 +78,10 @@ fn headline(text: &mut String, findings: &Findings, estimator: &str) {
     }
 }
 
-/// The same two over random truths.
+/// The two criteria of the question over random truths.
 fn over_truths(text: &mut String, findings: &Findings, estimator: &str) {
-    let pair = findings.over_truths.iter().filter(|c| {
-        c.estimator == estimator
-            && [&c.first, &c.second].iter().all(|f| ["condition", "d-optimal"].contains(&f.as_str()))
-    });
-    for c in pair {
+    for c in findings.over_truths.iter().filter(|c| c.estimator == estimator && are_asked_about([&c.first, &c.second]))
+    {
         let interval = c.interval.map_or_else(String::new, |i| format!(" [{:.3}, {:.3}]", i.low, i.high));
         let _ = writeln!(
             text,

@@ -84,13 +84,13 @@ impl LogArguments {
         self.chain.load(name)
     }
 
-    /// The same logs of this robot, unless another is named.
+    /// These logs of this robot, unless another is named.
     pub(crate) fn with_robot(mut self, robot: &str) -> Self {
         self.robot.get_or_insert_with(|| robot.to_owned());
         self
     }
 
-    /// The same logs, to choose terms from them.
+    /// These logs, to choose terms from them.
     pub(crate) fn for_selection(&self) -> Self {
         Self { selects: true, ..self.clone() }
     }

@@ -25,12 +25,12 @@ impl Speed {
         self.0
     }
 
-    /// The same speed, or as much of it as is needed to stay below a limit where the designed speed is at `used` of it.
+    /// This speed, or as much of it as is needed to stay below a limit where the designed speed is at `used` of it.
     pub(crate) fn below(self, used: f64) -> Self {
         if used * self.0 > REDUCED { Self(REDUCED / used) } else { self }
     }
 
-    /// The same speed, or the next below it at which a period of `period_s`, whole at `rate_hz`, stays a whole number of
+    /// This speed, or the next below it at which a period of `period_s`, whole at `rate_hz`, stays a whole number of
     /// samples when it is slowed. A period that is not whole is left for the plan to refuse.
     pub(crate) fn in_whole_samples(self, period_s: f64, rate_hz: f64) -> Self {
         let (designed, slowed) = (period_s * rate_hz, period_s * rate_hz / self.0);

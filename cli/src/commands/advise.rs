@@ -57,10 +57,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         return Err(Error::new("--arms is 0, expected at least 1").into());
     }
     let loaded = arguments.robot.load()?;
-    let output = match console.output() {
-        Some(folder) => folder.to_path_buf(),
-        None => report_folder("name of the robot", &format!("{}-advice", loaded.robot.name()))?,
-    };
+    let name = format!("{}-advice", loaded.robot.name());
+    let output = console.output_or(|| report_folder("name of the robot", &name))?;
     let settings = AdviceSettings {
         ends: arguments.robot.chain.ends(),
         drive: arguments.drive,

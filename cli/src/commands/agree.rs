@@ -50,10 +50,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         return Err(Error::of(fault).into());
     }
     let loaded = arguments.robot.load()?;
-    let folder = console.output().map_or_else(
-        || report_folder("name of the robot", &format!("{}-agreement", loaded.robot.name())),
-        |path| Ok(path.to_path_buf()),
-    )?;
+    let name = format!("{}-agreement", loaded.robot.name());
+    let folder = console.output_or(|| report_folder("name of the robot", &name))?;
     let truth = loaded.truth()?.parameters;
     let nominal = loaded.nominal.clone().unwrap_or_else(|| truth.clone());
     let seed = Seed::new(arguments.seed);

@@ -79,7 +79,8 @@ fn list() -> Answer {
     let robots: Vec<Robot> = bundled().iter().filter_map(|entry| parse_robot(entry.robot).ok()).collect();
     let mut table = Table::of("robot | #joints | kinds | effort | #parameters");
     for robot in &robots {
-        let kinds: String = robot.joints().iter().map(|joint| kind_letter(joint.kind)).collect();
+        let kinds: String =
+            robot.joints().iter().map(|joint| if joint.kind == JointKind::Revolute { 'R' } else { 'P' }).collect();
         let parameters = Columns::RIGID_ROTOR_FRICTION.parameters(robot).len();
         let cells = [robot.name(), &robot.dof().to_string(), &kinds, robot.effort().name(), &parameters.to_string()];
         table.row(cells);
@@ -90,13 +91,6 @@ fn list() -> Answer {
         .collect();
     let text = format!("{}\nR revolute, P prismatic; `armid robot NAME` shows one.\n", table.render(0));
     Answer { text, json }
-}
-
-const fn kind_letter(kind: JointKind) -> char {
-    match kind {
-        JointKind::Revolute => 'R',
-        JointKind::Prismatic => 'P',
-    }
 }
 
 fn describe(loaded: &LoadedRobot) -> Answer {

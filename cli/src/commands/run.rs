@@ -109,10 +109,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     experiment.guarded = arguments.guarding.guard;
     hold_shapes(&mut experiment, &arguments.meshes, console)?;
     verify(&experiment)?;
-    let path = console.output().map_or_else(
-        || Ok(report_folder("name", &experiment.planned.name)?.join("recording.mcap")),
-        |path| Ok::<_, Fault>(path.to_path_buf()),
-    )?;
+    let name = &experiment.planned.name;
+    let path = console.output_or(|| Ok::<_, Fault>(report_folder("name", name)?.join("recording.mcap")))?;
 
     let mut earlier = arguments.guarding.earlier.clone();
     let (mut steps, mut whole) = (Vec::new(), None);

@@ -22,7 +22,7 @@ impl Console {
         Self { global, destination: None, terminal: std::io::stderr().is_terminal() }
     }
 
-    /// The same for a command that writes so; where `-o` points is looked at here, before it works.
+    /// This console for a command that writes so; where `-o` points is looked at here, before it works.
     pub(crate) fn writing(&self, writes: Writes) -> Result<Self> {
         let path = self.global.output.as_deref();
         let destination = path.map(|path| writes.destination(path, self.global.json)).transpose()?;
@@ -44,6 +44,11 @@ impl Console {
             Some(Destination::File(path)) => Some(path),
             Some(Destination::StandardOutput) | None => None,
         }
+    }
+
+    /// The same, or another place where there is no `-o`.
+    pub(crate) fn output_or<E>(&self, otherwise: impl FnOnce() -> Result<PathBuf, E>) -> Result<PathBuf, E> {
+        self.output().map_or_else(otherwise, |path| Ok(path.to_path_buf()))
     }
 
     /// Is `-o` standard output?

@@ -21,7 +21,7 @@ impl Table {
         Self { align: columns.iter().map(|(_, align)| *align).collect(), rows: vec![headings] }
     }
 
-    /// The same by its headings, between bars: `#` begins that of a column that stands to the right.
+    /// A table by its headings, between bars: `#` begins that of a column that stands to the right.
     pub(crate) fn of(headings: &str) -> Self {
         let columns: Vec<(&str, Align)> = headings
             .split(" | ")

@@ -16,7 +16,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::error::CalibrationError;
-use super::measured::Measured;
+use crate::estimation::Measured;
 use crate::experiment::{Recording, Transmission};
 use crate::linalg::{LeastSquares, LeastSquaresError};
 use crate::model::{EffortInterface, JointKind, MotorCircuit, Robot};

@@ -15,7 +15,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::error::CalibrationError;
-use super::measured::Measured;
+use crate::estimation::Measured;
 use crate::experiment::Recording;
 use crate::linalg::LeastSquares;
 use crate::model::Robot;

@@ -17,8 +17,8 @@ use std::fmt;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::error::CalibrationError;
-use super::measured::Measured;
 use crate::base::{BaseReduction, Method};
+use crate::estimation::Measured;
 use crate::linalg::{LeastSquares, LeastSquaresError, RankTolerance};
 use crate::model::{Columns, Robot};
 use crate::regressor::JointTorqueRegressor;

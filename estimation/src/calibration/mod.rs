@@ -12,16 +12,15 @@ mod back_emf;
 mod error;
 mod friction;
 mod known_load;
-mod measured;
 #[cfg(test)]
 mod tests;
 mod transmission_stiffness;
 #[cfg(test)]
 mod transmission_stiffness_tests;
 
+pub use crate::estimation::Measured;
 pub use back_emf::{BackEmf, BackEmfPoint, Resistance, back_emf};
 pub use error::CalibrationError;
 pub use friction::{Friction, FrictionPoint, friction};
 pub use known_load::{HiddenLoad, KnownLoad, KnownLoads, known_load, payload};
-pub use measured::Measured;
 pub use transmission_stiffness::{StiffnessVerdict, TransmissionStiffness, transmission_stiffness};

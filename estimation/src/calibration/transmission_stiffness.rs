@@ -33,7 +33,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::error::CalibrationError;
-use super::measured::Measured;
+use crate::estimation::Measured;
 use crate::experiment::Transmission;
 use crate::linalg::LeastSquares;
 use crate::model::{JointKind, Robot, smooth_sign};

@@ -203,7 +203,7 @@ struct Fit {
     beta: DVector<f64>,
     /// Mean square of what is left, as a part of each joint's torque.
     residual: f64,
-    /// The same for each equation beyond the parameters.
+    /// Mean square of what is left, over the equations beyond the parameters.
     noise: f64,
     factor: Cholesky<f64, Dyn>,
     lengths: Vec<f64>,
@@ -263,7 +263,7 @@ impl Instants {
         (part(0..at), part(at..self.q.len()))
     }
 
-    /// The same with a mistake undone.
+    /// These instants with a mistake undone.
     pub(super) fn corrected(&self, mistake: &Mistake, robot: &Robot) -> Self {
         let n = robot.dof();
         let mut out = self.clone();

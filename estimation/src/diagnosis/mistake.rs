@@ -7,6 +7,7 @@ use crate::remedy::{Remedy, Setting};
 /// A mistake in a log or about the robot. Joints are counted from one.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(tag = "mistake", rename_all = "kebab-case")]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum Mistake {
     /// Positions are in degrees, and were read as radians.
     Degrees,
@@ -16,93 +17,41 @@ pub enum Mistake {
     MotorAngles,
     /// Positions are in another unit, or those of motors whose gears the robot file does not know: the true ones are `factor` times those in
     /// the log.
-    PositionUnit {
-        /// True position over that in the log.
-        factor: f64,
-    },
+    PositionUnit { factor: f64 },
     /// Torques are those of the motors.
     MotorTorques,
     /// Efforts are in another unit: the true ones are `factor` times those in the log.
-    EffortUnit {
-        /// True effort over that in the log.
-        factor: f64,
-    },
-    /// All efforts count the other way.
-    EffortsReversed {
-        /// Median over the joints of measured torque over that of the robot file; `None` where friction alone shows it.
-        slope: Option<f64>,
-    },
-    /// All efforts are too small to be torques of the joints: currents, or torques of the motors.
-    EffortsSmall {
-        /// Least and largest torque of the robot file over measured effort.
-        times: [f64; 2],
-    },
-    /// Gravity does not act along the axis that the robot file says.
-    Gravity {
-        /// Direction in the base frame that explains the torque.
-        direction: [i8; 3],
-    },
+    EffortUnit { factor: f64 },
+    /// All efforts count the other way; `slope` is the median over the joints of measured torque over that of the robot file, `None` where
+    /// friction alone shows it.
+    EffortsReversed { slope: Option<f64> },
+    /// All efforts are too small to be torques of the joints: currents, or torques of the motors. `times` are the least and largest torque of
+    /// the robot file over measured effort.
+    EffortsSmall { times: [f64; 2] },
+    /// Gravity does not act along the axis that the robot file says, but in this direction of the base frame.
+    Gravity { direction: [i8; 3] },
     /// The sign of a position is reversed.
-    PositionSign {
-        /// The joint.
-        joint: usize,
-    },
+    PositionSign { joint: usize },
     /// The sign of an effort is reversed.
-    EffortSign {
-        /// The joint.
-        joint: usize,
-    },
+    EffortSign { joint: usize },
     /// The sign of either the position or the effort of a joint is reversed; the data do not show which.
-    EitherSign {
-        /// The joint.
-        joint: usize,
-    },
+    EitherSign { joint: usize },
     /// The positions of two joints are exchanged.
-    PositionsSwapped {
-        /// The joints.
-        joints: [usize; 2],
-    },
+    PositionsSwapped { joints: [usize; 2] },
     /// The efforts of two joints are exchanged.
-    EffortsSwapped {
-        /// The joints.
-        joints: [usize; 2],
-    },
+    EffortsSwapped { joints: [usize; 2] },
     /// Two joints are exchanged, positions and efforts.
-    JointsSwapped {
-        /// The joints.
-        joints: [usize; 2],
-    },
-    /// A position is too large by a factor: a wrong gear ratio.
-    PositionScale {
-        /// The joint.
-        joint: usize,
-        /// True position over that in the log.
-        factor: f64,
-    },
-    /// An effort is too large by a factor: a wrong gear ratio or torque constant.
-    EffortScale {
-        /// The joint.
-        joint: usize,
-        /// True effort over that in the log.
-        factor: f64,
-    },
-    /// A joint's zero is another.
-    ZeroOffset {
-        /// The joint.
-        joint: usize,
-        /// What is to be added to its position, degrees.
-        degrees: f64,
-    },
+    JointsSwapped { joints: [usize; 2] },
+    /// A position is too large by a factor: a wrong gear ratio. The true one is `factor` times that in the log.
+    PositionScale { joint: usize, factor: f64 },
+    /// An effort is too large by a factor: a wrong gear ratio or torque constant. The true one is `factor` times that in the log.
+    EffortScale { joint: usize, factor: f64 },
+    /// A joint's zero is another: so many degrees are to be added to its position.
+    ZeroOffset { joint: usize, degrees: f64 },
     /// The effort of a joint that moves is one number throughout.
-    NoEffort {
-        /// The joint.
-        joint: usize,
-    },
+    NoEffort { joint: usize },
     /// A joint stands still.
-    AtRest {
-        /// The joint.
-        joint: usize,
-    },
+    AtRest { joint: usize },
 }
 
 impl Mistake {

@@ -160,17 +160,12 @@ fn offer(best: &mut Option<(Mistake, f64, f64)>, mistake: Mistake, found: f64, h
 
 /// A sign of which it does not show whether it is the position's or the effort's.
 fn which_sign(mistake: Mistake, found: f64, after: &dyn Fn(&Mistake) -> f64) -> Mistake {
-    let other = match mistake {
-        Mistake::PositionSign { joint } => Mistake::EffortSign { joint },
-        Mistake::EffortSign { joint } => Mistake::PositionSign { joint },
+    let (joint, other) = match mistake {
+        Mistake::PositionSign { joint } => (joint, Mistake::EffortSign { joint }),
+        Mistake::EffortSign { joint } => (joint, Mistake::PositionSign { joint }),
         other => return other,
     };
-    match mistake {
-        Mistake::PositionSign { joint } | Mistake::EffortSign { joint } if after(&other) < EQUAL * found => {
-            Mistake::EitherSign { joint }
-        }
-        other => other,
-    }
+    if after(&other) < EQUAL * found { Mistake::EitherSign { joint } } else { mistake }
 }
 
 fn is_near_one(mistake: &Mistake) -> bool {

@@ -26,6 +26,16 @@ pub struct Completion {
     pub findings: Vec<Finding>,
 }
 
+/// Whether a nominal set is of the arm of a base.
+pub(super) fn check_links(base: &BaseReduction, nominal: &StandardParameters) -> Result<(), EstimationError> {
+    let expected = base.parameters.iter().map(|id| id.index + 1).max().unwrap_or(0);
+    let found = nominal.links.len();
+    if found == expected && nominal.drives.len() == expected {
+        return Ok(());
+    }
+    Err(EstimationError::Count { quantity: "links of the nominal set", found, expected })
+}
+
 /// Completes base parameters β̂ (b) with a nominal set.
 ///
 /// # Errors
@@ -35,14 +45,8 @@ pub fn complete(
     beta: &DVector<f64>,
     nominal: &StandardParameters,
 ) -> Result<Completion, EstimationError> {
-    if beta.len() != base.rank() {
-        return Err(EstimationError::Count { quantity: "base parameters", found: beta.len(), expected: base.rank() });
-    }
-    let links = base.parameters.iter().map(|id| id.index + 1).max().unwrap_or(0);
-    if nominal.links.len() != links || nominal.drives.len() != links {
-        let found = nominal.links.len();
-        return Err(EstimationError::Count { quantity: "links of the nominal set", found, expected: links });
-    }
+    EstimationError::unless_equal("base parameters", beta.len(), base.rank())?;
+    check_links(base, nominal)?;
     let p = base.parameters.len();
     let phi = DVector::from_iterator(p, base.parameters.iter().map(|&id| nominal.get(id)));
     let missing = beta - base.beta(&phi);

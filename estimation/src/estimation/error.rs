@@ -115,6 +115,11 @@ impl fmt::Display for ExternalError {
 }
 
 impl EstimationError {
+    /// [`Self::Count`] unless two numbers are equal.
+    pub(super) fn unless_equal(quantity: &'static str, found: usize, expected: usize) -> Result<(), Self> {
+        if found == expected { Ok(()) } else { Err(Self::Count { quantity, found, expected }) }
+    }
+
     /// The error of an estimator from outside.
     ///
     /// ```

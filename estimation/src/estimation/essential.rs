@@ -29,7 +29,6 @@ use super::law::{EstimatorLaw, LawException};
 use super::linear_fit::LinearFit;
 use super::problem::EstimationProblem;
 use super::termination::Termination;
-use crate::linalg::LeastSquares;
 use crate::statistics::student_quantile;
 
 pub(super) const EXCEPTIONS: &[LawException] = &[LawException {
@@ -39,20 +38,12 @@ pub(super) const EXCEPTIONS: &[LawException] = &[LawException {
 
 /// Weighted least squares of the parameters that the data tell from zero.
 pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-    let equations = problem.factorised()?;
-    let problem = problem.with_factorisation(&equations);
-    let linear = LinearFit::weighted(&equations)?;
-    let full = linear.estimate(name, &problem, &linear.fit, Termination::Direct)?;
+    let linear = LinearFit::weighted(&*problem.factorised()?)?;
+    let full = linear.estimate(name, problem, &linear.fit, Termination::Direct)?;
     let t = student_quantile(0.975, full.degrees_of_freedom);
     let selection = select(full.beta(), full.covariance_matrix(), t);
-    let b = full.base.len();
-    let fit = LeastSquares::from_factors(
-        selection.beta,
-        [linear.fit.inverse_information(), DMatrix::identity(b, b)],
-        linear.fit.condition(),
-        linear.fit.condition_scaled(),
-    )?;
-    let mut estimate = linear.estimate(name, &problem, &fit, Termination::Direct)?;
+    let fit = linear.fit.with_solution(selection.beta, linear.fit.inverse_information())?;
+    let mut estimate = linear.estimate(name, problem, &fit, Termination::Direct)?;
     estimate = estimate.with_covariance(&full.covariance_matrix());
     estimate.degrees_of_freedom = full.degrees_of_freedom;
     estimate.interval_basis = full.interval_basis;
@@ -99,6 +90,7 @@ fn select(mut beta: DVector<f64>, mut covariance: DMatrix<f64>, t: f64) -> Selec
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linalg::LeastSquares;
     use crate::seed::Seed;
     use rand::RngExt;
 

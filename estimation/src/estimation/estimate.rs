@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
+use super::consistent_set::definite_inverse;
 use super::error::EstimationError;
 use super::factorisation::FactorisedBy;
 use super::finding::Finding;
@@ -111,7 +112,7 @@ pub struct Estimate {
     /// Condition number of W_b as the estimator solved it.
     #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub condition: f64,
-    /// The same with columns of unit length.
+    /// Condition number of the equations with columns of unit length.
     #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub condition_scaled: f64,
     /// The method that condensed the equations of a long recording.
@@ -166,10 +167,7 @@ impl Estimate {
         if self.shape.is_empty() {
             return Ok(robot.clone());
         }
-        let (found, expected) = (robot.dof(), self.shape.len());
-        if found != expected {
-            return Err(EstimationError::Count { quantity: "joints of the robot", found, expected });
-        }
+        EstimationError::unless_equal("joints of the robot", robot.dof(), self.shape.len())?;
         let mut drives: Vec<_> = robot.joints().iter().map(|joint| joint.drive.clone()).collect();
         for (drive, stated) in drives.iter_mut().zip(&self.shape) {
             for shape in columns.shapes() {
@@ -197,7 +195,7 @@ impl Estimate {
         Ok(regressor.with_links(&links))
     }
 
-    /// The same values with a covariance that has this much more in it, b × b.
+    /// Adds to the covariance, b × b, and widens the intervals around the same values.
     pub(super) fn add_covariance(&mut self, added: &DMatrix<f64>) {
         let t = student_quantile(0.975, self.degrees_of_freedom);
         for (i, (row, parameter)) in self.covariance.iter_mut().zip(&mut self.base).enumerate() {
@@ -254,12 +252,7 @@ impl Estimate {
     /// The information of the estimate on β, `C⁻¹` (b × b), as a prior for the next experiment; `None` where the covariance is
     /// not positive definite.
     pub fn information(&self) -> Option<DMatrix<f64>> {
-        // Through standard deviations, so that unlike units do no harm.
-        let (covariance, std) = (self.covariance_matrix(), self.std());
-        let b = std.len();
-        let scaled = DMatrix::from_fn(b, b, |i, j| 0.5 * (covariance[(i, j)] + covariance[(j, i)]) / (std[i] * std[j]));
-        let inverse = Cholesky::new(scaled)?.inverse();
-        Some(DMatrix::from_fn(b, b, |i, j| inverse[(i, j)] / (std[i] * std[j])))
+        definite_inverse(&self.covariance_matrix())
     }
 
     /// [`Self::motor_errors`] as a matrix, b × as many; without columns where none is declared.

@@ -29,10 +29,11 @@
 //! problems", BIT 15, 1975, for the derivative that leaves out how β moves.
 
 use super::error::EstimationError;
+use super::measured::Measured;
 use super::observation::Observation;
 use super::selection::{HeldOutChange, TermEvidence, Verdict, change_between};
 use super::speed_columns::SpeedColumns;
-use super::speed_search::{Search, SpeedValue, change};
+use super::speed_search::{Search, change};
 use super::termination::Termination;
 use super::{load_fit, load_friction};
 use crate::base::BaseReduction;
@@ -58,10 +59,10 @@ pub struct FrictionSpeed {
     /// The speed of the robot file, rad/s (m/s).
     pub stated: f64,
     /// The speed that was found, rad/s (m/s); `None` where the data do not show it.
-    pub speed: Option<SpeedValue>,
+    pub speed: Option<Measured>,
     /// The coefficient of the first column with that speed (Coulomb friction, or static above it), N·m (N), its standard deviation with that of the
     /// speed; `None` as above.
-    pub amplitude: Option<SpeedValue>,
+    pub amplitude: Option<Measured>,
 }
 
 /// The speeds of all joints that have a column with one.
@@ -162,7 +163,7 @@ impl FrictionSpeeds {
                     true => change_between(&begun.linear, &next.linear)?,
                     false => None,
                 };
-                let joint = |(i, value): (usize, &Option<[SpeedValue; 2]>)| FrictionSpeed {
+                let joint = |(i, value): (usize, &Option<[Measured; 2]>)| FrictionSpeed {
                     joint: joints[i] + 1,
                     stated: stated[i],
                     speed: value.map(|[speed, _]| speed),

@@ -8,7 +8,6 @@ use super::estimate::IntervalBasis;
 use super::linear_fit::LinearFit;
 use super::problem::EstimationProblem;
 use super::termination::Termination;
-use crate::linalg::LeastSquares;
 
 impl Estimate {
     /// The estimate of an estimator from outside: its parameters β̂ (b) with their covariance (b × b) and the degrees of freedom
@@ -31,9 +30,7 @@ impl Estimate {
             ("rows of its covariance", covariance.nrows()),
             ("columns of its covariance", covariance.ncols()),
         ] {
-            if found != expected {
-                return Err(EstimationError::Count { quantity, found, expected });
-            }
+            EstimationError::unless_equal(quantity, found, expected)?;
         }
         for (quantity, values) in
             [("parameters of the estimate", beta.as_slice()), ("covariance of the estimate", covariance.as_slice())]
@@ -47,12 +44,7 @@ impl Estimate {
         }
         let equations = problem.factorised()?;
         let linear = LinearFit::ordinary(&equations)?;
-        let fit = LeastSquares::from_factors(
-            beta.clone(),
-            [linear.fit.inverse_information(), DMatrix::identity(expected, expected)],
-            linear.fit.condition(),
-            linear.fit.condition_scaled(),
-        )?;
+        let fit = linear.fit.with_solution(beta.clone(), linear.fit.inverse_information())?;
         let estimate = linear.estimate(estimator, problem, &fit, Termination::Direct)?;
         let basis = IntervalBasis::Residual;
         let of_outside = Self { degrees_of_freedom, interval_basis: basis, motor_errors: Vec::new(), ..estimate };

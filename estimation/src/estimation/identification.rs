@@ -189,7 +189,7 @@ impl Identification {
         Ok(estimates.swap_remove(0))
     }
 
-    /// The same by several estimators, which share one factorisation of the equations.
+    /// Estimates them by several estimators, which share one factorisation of the equations.
     ///
     /// # Errors
     /// [`EstimationError`] of the first estimator that has no answer.
@@ -201,7 +201,7 @@ impl Identification {
         self.estimate_watched(samples, estimators, &Unobserved)
     }
 
-    /// The same, reporting to an observer, which may end estimators that iterate: the estimate is then the last iterate. One that
+    /// Estimates them by several estimators and reports to an observer, which may end estimators that iterate: the estimate is then the last iterate. One that
     /// simulates and was ended before its first iterate is the weighted linear fit, from which it begins.
     ///
     /// # Errors
@@ -254,7 +254,7 @@ impl Identification {
         observe(&self.robot, &self.regressor, &self.base, samples)
     }
 
-    /// The same for tests of terms.
+    /// The equations of one experiment for tests of terms.
     pub(super) fn observation_of_test(&self, samples: &Samples) -> Result<Observation, EstimationError> {
         load_fit::observe_to(&self.robot, &self.regressor, &self.base, samples, load_fit::REST_OF_TESTS)
     }

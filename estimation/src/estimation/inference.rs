@@ -135,7 +135,7 @@ impl Inference<'_> {
         }
         if let Some(omitted) = equations.omitted() {
             covariance += omitted.covariance(observation, self.fit, self.instruments)?;
-            beyond.extend_from_slice(omitted.findings());
+            beyond.extend_from_slice(&omitted.findings);
         }
         let declared = declared(self.problem, self.fit, self.instruments)?;
         if let Some(declared) = &declared {
@@ -203,7 +203,7 @@ impl Inference<'_> {
         let Some(found) = of_kept.as_ref().unwrap_or(equations).discrepancy(samples)? else { return Ok(None) };
         let functions = found.products(observation, self.instruments)?;
         let covariance = self.fit.sandwich(&(functions + self.products(equations, &found.white())?));
-        Ok(Some(Shown { covariance, findings: found.findings().to_vec() }))
+        Ok(Some(Shown { covariance, findings: found.findings.clone() }))
     }
 
     /// cov β̂ for one noise, and that noise as it was believed.

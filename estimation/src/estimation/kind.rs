@@ -13,7 +13,7 @@ use super::{closed_loop, essential, motion, ordinary, physical, recursive, ridge
 /// What belongs to one estimator.
 struct Entry {
     name: &'static str,
-    /// By its name, from a problem.
+    /// By its name, from a problem that holds the factorisation of its equations.
     estimate: fn(&str, &EstimationProblem<'_>) -> Result<Estimate, EstimationError>,
     exceptions: &'static [LawException],
     summary: &'static str,
@@ -125,11 +125,11 @@ estimators! {
     PcOlsEuclidean: "pc-ols-euclidean",
         |name, problem| physical::ordinary::estimate(name, problem, Prior::Euclidean), PRIOR_IN_SI,
         "consistent least squares near the nominal set, by the Euclidean distance in SI";
-    /// The same by the entropic distance.
+    /// Least squares over physically consistent sets near a prior, by the entropic distance.
     PcOlsEntropic: "pc-ols-entropic",
         |name, problem| physical::ordinary::estimate(name, problem, Prior::Entropic), PRIOR_IN_SI,
         "consistent least squares near the nominal set, by the entropic distance";
-    /// The same by the entropic distance's curvature at the prior.
+    /// Least squares over physically consistent sets near a prior, by the entropic distance's curvature at it.
     PcOlsPullback: "pc-ols-pullback",
         |name, problem| physical::ordinary::estimate(name, problem, Prior::Pullback), PRIOR_IN_SI,
         "consistent least squares near the nominal set, by the constant pullback distance";
@@ -174,7 +174,8 @@ impl Estimator for EstimatorKind {
     }
 
     fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        (self.entry().estimate)(self.entry().name, problem)
+        let equations = problem.factorised()?;
+        (self.entry().estimate)(self.entry().name, &problem.with_factorisation(&equations))
     }
 
     fn exceptions(&self) -> &[LawException] {

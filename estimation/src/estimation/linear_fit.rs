@@ -12,6 +12,14 @@ use super::termination::Termination;
 use crate::linalg::{BlockWhitening, LeastSquares};
 use crate::signal::NoiseModel;
 
+/// The noise of the equations of a fit: scatter over periods where there is one, else that of its residual.
+pub(super) fn noise_of(observation: &Observation, fit: &LeastSquares) -> (NoiseModel, IntervalBasis) {
+    match scatter_noise(observation) {
+        Some(noise) => (noise, IntervalBasis::Scatter),
+        None => (residual_noise(observation, &observation.residual(fit.solution())), IntervalBasis::Residual),
+    }
+}
+
 /// A least-squares fit, ordinary where there are no weights.
 #[derive(Clone)]
 pub(super) struct LinearFit {
@@ -49,11 +57,7 @@ impl LinearFit {
         fit: LeastSquares,
         weights: Option<BlockWhitening>,
     ) -> Result<Self, EstimationError> {
-        let observation = equations.observation();
-        let (noise, basis) = match scatter_noise(observation) {
-            Some(noise) => (noise, IntervalBasis::Scatter),
-            None => (residual_noise(observation, &observation.residual(fit.solution())), IntervalBasis::Residual),
-        };
+        let (noise, basis) = noise_of(equations.observation(), &fit);
         Ok(Self { fit, weights, noise, basis })
     }
 
@@ -86,16 +90,13 @@ impl LinearFit {
     pub(super) fn misfit(&self, observation: &Observation) -> Result<f64, EstimationError> {
         let residual = observation.residual(self.fit.solution());
         let white = match &self.weights {
-            Some(weights) => {
-                let column = nalgebra::DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
-                weights.clone().whiten(&column, &observation.used)?.column(0).into_owned()
-            }
+            Some(weights) => observation.white(weights, &residual)?,
             None => residual,
         };
         Ok(white.norm_squared())
     }
 
-    /// The same over the degrees of freedom: 1 or so by weights that are the noise.
+    /// Sum of the squares of the (weighted) residual over the degrees of freedom: 1 or so by weights that are the noise.
     pub(super) fn residual_variance(&self, observation: &Observation) -> Result<f64, EstimationError> {
         let freedom = observation.equations().saturating_sub(self.fit.solution().len()).max(1);
         Ok(self.misfit(observation)? / freedom as f64)

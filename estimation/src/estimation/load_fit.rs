@@ -11,7 +11,7 @@
 //!
 //! Reference: G. A. F. Seber, C. J. Wild, "Nonlinear Regression", Wiley, 1989, chapter 2.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use super::error::EstimationError;
 use super::factorisation::Factorisation;
@@ -26,7 +26,7 @@ use crate::signal::Samples;
 const ROUNDS: usize = 60;
 /// Change of β with which it rests, in standard deviations, root mean square over β.
 const REST: f64 = 0.02;
-/// The same where a term is only tested.
+/// Change of β with which it rests where a term is only tested, in standard deviations.
 pub(super) const REST_OF_TESTS: f64 = 1.0;
 /// Change of the torque, as a part of the measured one, with which it rests whatever the standard deviations are.
 const ROUNDING: f64 = 1e-9;
@@ -46,7 +46,7 @@ pub fn observe(
     observe_to(robot, regressor, base, samples, REST)
 }
 
-/// The same, friction of the load being at rest with this change, in standard deviations.
+/// The equations of samples, friction of the load being at rest with this change of β, in standard deviations.
 pub(super) fn observe_to(
     robot: &Robot,
     regressor: &JointTorqueRegressor,
@@ -94,10 +94,7 @@ fn at_rest(
         let torque = &observation.regressor * &step;
         let size = torque.norm() / plain.y.norm().max(f64::MIN_POSITIVE);
         let white = match found.weights {
-            Some(mut weights) => {
-                let column = DMatrix::from_column_slice(torque.len(), 1, torque.as_slice());
-                weights.whiten(&column, &observation.used)?.norm()
-            }
+            Some(weights) => observation.white(&weights, &torque)?.norm(),
             None => f64::INFINITY,
         };
         change = white / (base.rank().max(1) as f64).sqrt();

@@ -37,6 +37,7 @@ mod linear_fit;
 mod load_fit;
 mod load_friction;
 mod model_fit;
+mod measured;
 mod motion;
 mod observation;
 mod omitted;
@@ -83,9 +84,10 @@ pub use instruments::Instruments;
 pub use kind::EstimatorKind;
 pub use law::{EstimatorLaw, LawException};
 pub use load_fit::observe;
+pub use measured::Measured;
 pub use model_fit::{BodyOrigin, ModelFit, ModelGuess, PriorWeight, fit_model};
 pub use observation::Observation;
-pub use payload::{NegativeMass, NegativeMassCause, Payload, PayloadBody, PayloadParameter, PayloadValue, payload};
+pub use payload::{NegativeMass, NegativeMassCause, Payload, PayloadBody, PayloadParameter, payload};
 pub use position_servo::{PositionServo, ServoEstimate, ServoPart, between};
 pub use prediction::{Model, Validation, predict, validate};
 pub use problem::EstimationProblem;
@@ -94,7 +96,6 @@ pub use residual_shape::{Against, JointTrace, ResidualShape, ResidualTrends, Tre
 pub use selection::{
     BeyondMotion, FTest, HeldOutChange, HeldOutData, Selection, TermEvidence, Verdict, candidate_terms, select,
 };
-pub use speed_search::SpeedValue;
 pub use stiff_loop::StiffLoop;
 pub use termination::Termination;
 pub use torque_residual::{DEFAULT_BANDWIDTH_HZ, RowShares, TorqueResidual, TorqueSeries};

@@ -8,8 +8,8 @@ use nalgebra::{DMatrix, DVector};
 use super::error::EstimationError;
 use super::load_friction;
 use crate::base::{BaseReduction, Category};
-use crate::linalg::LeastSquaresError;
 use crate::linalg::product::add_product;
+use crate::linalg::{BlockWhitening, LeastSquaresError};
 use crate::model::{Columns, Drive, ParameterId, Robot, StandardParameters};
 use crate::provenance::Provenance;
 use crate::regressor::JointTorqueRegressor;
@@ -74,7 +74,7 @@ impl Observation {
         Self::checked(robot, regressor, base, samples, None)
     }
 
-    /// The same, linearised `at` these parameters where they must be.
+    /// The equations of a fit, linearised `at` these parameters where they must be.
     pub(super) fn checked(
         robot: &Robot,
         regressor: &JointTorqueRegressor,
@@ -100,7 +100,7 @@ impl Observation {
         Ok(own)
     }
 
-    /// The same for equations that are predicted, of which there may be few, linearised `at` these parameters where they must be.
+    /// Equations that are predicted, of which there may be few, linearised `at` these parameters where they must be.
     pub(super) fn of_any_length(
         robot: &Robot,
         regressor: &JointTorqueRegressor,
@@ -120,21 +120,13 @@ impl Observation {
         at: Option<&DVector<f64>>,
     ) -> Result<(Self, Vec<f64>), EstimationError> {
         let n = robot.dof();
-        for (quantity, found) in
-            [("joints of the regressor", regressor.rows()), ("joints of the samples", samples.dof())]
-        {
-            if found != n {
-                return Err(EstimationError::Count { quantity, found, expected: n });
-            }
-        }
+        EstimationError::unless_equal("joints of the regressor", regressor.rows(), n)?;
+        EstimationError::unless_equal("joints of the samples", samples.dof(), n)?;
         if base.parameters != regressor.parameters() {
             let (found, expected) = (base.parameters.len(), regressor.cols());
             return Err(EstimationError::OtherParameters { found, expected });
         }
-        if samples.used.len() != samples.blocks() * n {
-            let (found, expected) = (samples.used.len(), samples.blocks() * n);
-            return Err(EstimationError::Count { quantity: "marks of used equations", found, expected });
-        }
+        EstimationError::unless_equal("marks of used equations", samples.used.len(), samples.blocks() * n)?;
         let mut y = DVector::from_vec(samples.block_means(&samples.tau, n));
         let mut w = match at {
             Some(beta) => load_friction::linearised(regressor, base, samples, beta, &mut y),
@@ -150,6 +142,7 @@ impl Observation {
             }
             y[row] = 0.0;
         }
+        let unit = |id: ParameterId| id.kind.unit(robot.joints()[id.index].kind).to_owned();
         let own = Self {
             regressor: w,
             y,
@@ -161,7 +154,7 @@ impl Observation {
             shape: shapes(robot, regressor.columns()),
             linear_at: at.cloned(),
             base: base.clone(),
-            parameter_units: base.kept.iter().map(|&j| parameter_unit(robot, base.parameters[j])).collect(),
+            parameter_units: base.kept.iter().map(|&j| base.parameters[j]).map(unit).collect(),
             noise: samples.noise.clone(),
             torque_covariance: samples.torque_covariance.clone(),
             periodic: samples.period_s.is_some(),
@@ -190,18 +183,14 @@ impl Observation {
         self.used.iter().filter(|used| **used).count()
     }
 
-    /// The same without the equations that are given up.
+    /// These equations without those that are given up.
     pub(super) fn without(&self, given_up: impl Fn(usize) -> bool) -> Cow<'_, Self> {
-        let rows: Vec<usize> = (0..self.y.len()).filter(|&row| self.used[row] && given_up(row)).collect();
-        if rows.is_empty() {
+        let used: Vec<bool> = (0..self.y.len()).map(|row| self.used[row] && !given_up(row)).collect();
+        if used == self.used {
             return Cow::Borrowed(self);
         }
-        let mut kept = self.clone();
-        for row in rows {
-            kept.used[row] = false;
-            kept.regressor.row_mut(row).fill(0.0);
-            kept.y[row] = 0.0;
-        }
+        let mut kept = Self { used, ..self.clone() };
+        kept.blank();
         Cow::Owned(kept)
     }
 
@@ -231,6 +220,20 @@ impl Observation {
         let negative: Vec<f64> = beta.iter().map(|value| -value).collect();
         add_product(self.regressor.as_slice(), &negative, self.y.len(), residual.as_mut_slice());
         residual
+    }
+
+    /// `Σ^{-½} x` of a vector with an entry for each row, by the weights of its blocks.
+    pub(super) fn white(&self, weights: &BlockWhitening, x: &DVector<f64>) -> Result<DVector<f64>, LeastSquaresError> {
+        let column = DMatrix::from_column_slice(x.len(), 1, x.as_slice());
+        Ok(weights.clone().whiten(&column, &self.used)?.column(0).into_owned())
+    }
+
+    /// Sets all rows that are no equation to zero.
+    pub(super) fn blank(&mut self) {
+        for (row, _) in self.used.iter().enumerate().filter(|(_, used)| !**used) {
+            self.regressor.row_mut(row).fill(0.0);
+            self.y[row] = 0.0;
+        }
     }
 
     /// An error of the equations, with the name of a column that the trajectory does not excite.
@@ -278,9 +281,4 @@ fn shapes(robot: &Robot, columns: Columns) -> Vec<BTreeMap<String, f64>> {
             .collect()
     };
     robot.joints().iter().map(|joint| of(&joint.drive)).collect()
-}
-
-/// Unit of a parameter, which for a term depends on whether its joint is revolute or prismatic.
-fn parameter_unit(robot: &Robot, id: ParameterId) -> String {
-    id.kind.unit(robot.joints()[id.index].kind).to_owned()
 }

@@ -23,7 +23,6 @@ use super::termination::Termination;
 
 /// Ordinary least squares on the base columns.
 pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-    let equations = problem.factorised()?;
-    let linear = LinearFit::ordinary(&equations)?;
-    linear.estimate(name, &problem.with_factorisation(&equations), &linear.fit, Termination::Direct)
+    let linear = LinearFit::ordinary(&*problem.factorised()?)?;
+    linear.estimate(name, problem, &linear.fit, Termination::Direct)
 }

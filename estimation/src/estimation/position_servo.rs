@@ -143,7 +143,7 @@ impl PositionServo {
         }
     }
 
-    /// The same servos with other values of what is unknown, in the order of that list.
+    /// These servos with other values of what is unknown, in the order of that list.
     #[must_use]
     pub fn with_unknown(mut self, values: &[f64]) -> Self {
         self.zero.resize(self.kp.len(), 0.0);

@@ -21,9 +21,7 @@ pub fn predict(
     states: &States,
 ) -> Result<Vec<f64>, EstimationError> {
     let (n, p) = (regressor.rows(), regressor.cols());
-    if states.dof != n {
-        return Err(EstimationError::Count { quantity: "joints of the states", found: states.dof, expected: n });
-    }
+    EstimationError::unless_equal("joints of the states", states.dof, n)?;
     let names: Vec<String> = regressor.parameters().iter().map(ToString::to_string).collect();
     let mut columns = Vec::with_capacity(estimate.base.len());
     for parameter in &estimate.base {
@@ -58,13 +56,8 @@ impl Model<'_> {
     /// [`EstimationError::Count`] where the states or the parameters are of another arm.
     pub fn predict(&self, states: &States) -> Result<Vec<f64>, EstimationError> {
         let n = self.robot.dof();
-        for (quantity, found) in
-            [("joints of the states", states.dof), ("links of the parameters", self.parameters.links.len())]
-        {
-            if found != n {
-                return Err(EstimationError::Count { quantity, found, expected: n });
-            }
-        }
+        EstimationError::unless_equal("joints of the states", states.dof, n)?;
+        EstimationError::unless_equal("links of the parameters", self.parameters.links.len(), n)?;
         let mut dynamics = Dynamics::new(self.robot, self.parameters);
         let mut torque = vec![0.0; n * states.len()];
         for (k, tau) in torque.chunks_exact_mut(n).enumerate() {
@@ -81,7 +74,7 @@ pub struct Validation {
     pub rms: Vec<f64>,
     /// Its unit, n.
     pub units: Vec<String>,
-    /// The same over the RMS of the measured torque, n; zero where that is zero.
+    /// RMS difference over the RMS of the measured torque, n; zero where that is zero.
     pub relative_rms: Vec<f64>,
 }
 

@@ -23,18 +23,11 @@ use crate::linalg::LeastSquares;
 
 /// Weighted least squares with a penalty on large parameters.
 pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-    let (observation, equations) = (problem.observation, problem.factorised()?);
-    let problem = problem.with_factorisation(&equations);
-    let linear = LinearFit::weighted(&equations)?;
+    let observation = problem.observation;
+    let linear = LinearFit::weighted(&*problem.factorised()?)?;
     let shrunk = Shrunk::of(&linear.fit, linear.residual_variance(observation)?).ok_or(EstimationError::NotDefinite)?;
-    let b = shrunk.beta.len();
-    let fit = LeastSquares::from_factors(
-        shrunk.beta,
-        [shrunk.inverse, DMatrix::identity(b, b)],
-        linear.fit.condition(),
-        linear.fit.condition_scaled(),
-    )?;
-    let estimate = linear.estimate(name, &problem, &fit, Termination::Direct)?;
+    let fit = linear.fit.with_solution(shrunk.beta, shrunk.inverse)?;
+    let estimate = linear.estimate(name, problem, &fit, Termination::Direct)?;
     let covariance = estimate.covariance_matrix() + &shrunk.bias * shrunk.bias.transpose();
     Ok(estimate.with_covariance(&covariance))
 }

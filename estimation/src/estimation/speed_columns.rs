@@ -15,7 +15,7 @@ use crate::signal::Samples;
 
 /// Smallest speed that is looked for, as a part of the largest of the joint.
 const LEAST: f64 = 1e-3;
-/// The same as a part of the lowest among its equations: friction that has fallen, or set in, before the slowest equation shows no speed.
+/// Smallest speed that is looked for, as a part of the lowest among the equations of its joint: friction that has fallen, or set in, before the slowest equation shows no speed.
 const LEAST_FALL: f64 = 0.5;
 const LEAST_ONSET: f64 = 0.25;
 /// Step of ln v of the differences.

@@ -8,6 +8,7 @@ use nalgebra::{DMatrix, DVector, QR};
 use super::error::EstimationError;
 use super::factorisation::Factorisation;
 use super::linear_fit::LinearFit;
+use super::measured::Measured;
 use super::observation::Observation;
 use super::problem::EstimationProblem;
 use super::speed_columns::SpeedColumns;
@@ -21,7 +22,7 @@ use crate::statistics::student_quantile;
 const ITERATIONS: usize = 100;
 /// Relative change of the speeds at which the search has come to rest. The step from there is taken too.
 const AT_REST: f64 = 1e-6;
-/// The same where no part of the step lowers ρ.
+/// Relative change of the speeds at which the search has come to rest where no part of the step lowers ρ.
 const HIDDEN_BY_ROUNDING: f64 = 1e-4;
 /// Halvings of a step at most.
 const HALVINGS: usize = 20;
@@ -35,21 +36,10 @@ const REWEIGHTED: usize = 10;
 /// Relative change of the speeds at which weights by the residual have come to rest.
 const WEIGHTS_AT_REST: f64 = 1e-4;
 
-/// A value with its standard deviation and 95 % interval.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct SpeedValue {
-    /// The value.
-    pub value: f64,
-    /// Standard deviation.
-    pub std: f64,
-    /// 95 % interval.
-    pub ci95: [f64; 2],
-}
-
 /// What the equations say of speeds.
 pub(super) struct FoundSpeeds {
     /// Speed and amplitude of each joint that is sought.
-    pub(super) values: Vec<Option<[SpeedValue; 2]>>,
+    pub(super) values: Vec<Option<[Measured; 2]>>,
     /// Independent samples behind their standard deviations.
     pub(super) degrees_of_freedom: f64,
 }
@@ -258,9 +248,9 @@ impl<'a> Search<'a> {
         let value = |(i, of): (usize, &super::speed_columns::JointColumns)| {
             let std = if self.sought[i] { logarithms.next()?.std } else { return None };
             let v = speeds[i];
-            let speed = SpeedValue { value: v, std: v * std, ci95: [v * libm::exp(-t * std), v * libm::exp(t * std)] };
+            let speed = Measured { value: v, std: v * std, ci95: [v * libm::exp(-t * std), v * libm::exp(t * std)] };
             let amplitude = &estimate.base[of.columns[0].place];
-            let amplitude = SpeedValue { value: amplitude.value, std: amplitude.std, ci95: amplitude.ci95 };
+            let amplitude = Measured { value: amplitude.value, std: amplitude.std, ci95: amplitude.ci95 };
             Some([speed, amplitude])
         };
         let values = self.columns.joints.iter().enumerate().map(value).collect();

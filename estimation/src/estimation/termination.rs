@@ -84,21 +84,12 @@ impl fmt::Display for Termination {
             Self::Optimal { iterations, gap } => {
                 write!(f, "optimal after {iterations} iterations, to {gap:.0e} of the objective")
             }
-            Self::IterationLimit { iterations, last_step } => {
-                write!(
-                    f,
-                    "stopped after {iterations} iterations, the last step was {} of the iterate",
-                    significant(*last_step, 2)
-                )
+            Self::IterationLimit { iterations, last_step } | Self::Stalled { iterations, last_step } => {
+                let how = if matches!(self, Self::Stalled { .. }) { "stalled" } else { "stopped" };
+                let last = significant(*last_step, 2);
+                write!(f, "{how} after {iterations} iterations, the last step was {last} of the iterate")
             }
             Self::Interrupted { iterations } => write!(f, "interrupted after {iterations} iterations"),
-            Self::Stalled { iterations, last_step } => {
-                write!(
-                    f,
-                    "stalled after {iterations} iterations, the last step was {} of the iterate",
-                    significant(*last_step, 2)
-                )
-            }
             Self::Unsimulable { iterations } => write!(
                 f,
                 "stopped after {iterations} iterations: the arm of the next step cannot be simulated, its mass matrix is not \

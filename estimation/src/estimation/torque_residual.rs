@@ -32,7 +32,7 @@ pub struct RowShares {
     pub measured_rms: Vec<f64>,
     /// The first over the second, n; `None` where nothing was measured.
     pub share: Vec<Option<f64>>,
-    /// The same over all joints; `None` where their units differ or nothing was measured.
+    /// RMS of the residual over that of the measured torque, over all joints; `None` where their units differ or nothing was measured.
     pub total: Option<f64>,
 }
 
@@ -104,7 +104,7 @@ impl TorqueResidual {
         Self::of_predicted(&predicted?, parts, bandwidth_hz)
     }
 
-    /// The same of a model: a robot with all of its parameters, whose torque is its inverse dynamics.
+    /// The residual of a model, a robot with all of its parameters, whose torque is its inverse dynamics.
     ///
     /// # Errors
     /// [`EstimationError::Count`] where the samples are of another arm, [`EstimationError::Signal`] as above.

@@ -25,8 +25,7 @@ impl UnitEquations {
     pub(super) fn of(observation: &Observation, linear: &LinearFit) -> Result<Self, EstimationError> {
         let Some(weights) = &linear.weights else { return Err(EstimationError::NotDefinite) };
         let mut h = weights.clone().whiten(&observation.regressor, &observation.used)?;
-        let y = DMatrix::from_column_slice(observation.y.len(), 1, observation.y.as_slice());
-        let z = weights.clone().whiten(&y, &observation.used)?.column(0).into_owned();
+        let z = observation.white(weights, &observation.y)?;
         let scale = DVector::from_fn(h.ncols(), |j, _| 1.0 / h.column(j).norm());
         for (j, mut column) in h.column_iter_mut().enumerate() {
             column *= scale[j];

@@ -24,7 +24,6 @@ use super::termination::Termination;
 
 /// Least squares weighted with the inverse noise covariance of each sample.
 pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-    let equations = problem.factorised()?;
-    let linear = LinearFit::weighted(&equations)?;
-    linear.estimate(name, &problem.with_factorisation(&equations), &linear.fit, Termination::Direct)
+    let linear = LinearFit::weighted(&*problem.factorised()?)?;
+    linear.estimate(name, problem, &linear.fit, Termination::Direct)
 }

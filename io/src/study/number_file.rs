@@ -61,7 +61,7 @@ impl NumberWriter {
             file: tempfile::tempfile_in(folder).map_err(|error| Error::unwritable(folder, &error))?,
             piece: vec![Vec::with_capacity(PIECE); numbers.len()],
             statuses: vec![BTreeMap::new(); order.conditions()],
-            truths: setup.scorer().truths().to_vec(),
+            truths: setup.scorer.truths.clone(),
             next: 0,
             order,
             numbers,
@@ -205,7 +205,7 @@ evaluations = 2
     /// An outcome whose numbers all differ; some runs fail.
     pub(in crate::study) fn outcome(setup: &StudySetup, position: usize) -> Outcome {
         let id = setup.run_order().id(position);
-        let b = setup.base().rank();
+        let b = setup.base.rank();
         let value = |k: usize| 1.0 + ((position * 31 + k * 7) % 1009) as f64 / 1009.0;
         let failure = (position % 50 == 3)
             .then(|| RunError { kind: RunErrorKind::DivergedSpeed, reason: format!("run {position} was too fast") });
@@ -215,11 +215,11 @@ evaluations = 2
             beta: (0..b).map(|i| value(i + e)).collect(),
             std: (0..b).map(|i| value(i + e + 100)).collect(),
             half_width: (0..b).map(|i| value(i + e + 200)).collect(),
-            residual_rms: vec![value(e + 300); setup.robot().dof()],
+            residual_rms: vec![value(e + 300); setup.robot.dof()],
             score: Some(Score {
                 prediction_rmse_nm: value(e + 400),
                 prediction_rmse_of_rating: value(e + 500),
-                joint_rmse_nm: vec![value(e + 600); setup.robot().dof()],
+                joint_rmse_nm: vec![value(e + 600); setup.robot.dof()],
                 reference_rmse: value(e + 700),
                 si_rmse: value(e + 800),
                 measured_rmse_nm: None,
@@ -228,10 +228,10 @@ evaluations = 2
                 static_rmse_nm: (e > 0).then(|| value(e + 1100)),
             }),
         };
-        let estimators = &setup.plan().identification.estimators;
+        let estimators = &setup.plan.identification.estimators;
         let estimates =
             if failure.is_some() { Vec::new() } else { estimators.iter().enumerate().map(estimate).collect() };
-        let truth = setup.plan().truth_of(id.run);
+        let truth = setup.plan.truth_of(id.run);
         Outcome { design: id.design, condition: id.condition, truth, run: id.run, failure, estimates }
     }
 
@@ -243,7 +243,7 @@ evaluations = 2
         let mut writer = NumberWriter::create(folder.path(), &setup).unwrap();
         outcomes.iter().for_each(|outcome| writer.add(outcome).unwrap());
         let file = writer.finish();
-        let memory = OutcomeTable { outcomes: &outcomes, truths: setup.scorer().truths() };
+        let memory = OutcomeTable { outcomes: &outcomes, truths: &setup.scorer.truths };
         assert_eq!(file.failed(), outcomes.iter().filter(|outcome| outcome.failure.is_some()).count());
         for design in 0..setup.designs().len() {
             for condition in 0..2 {

@@ -42,7 +42,7 @@ impl RowFiles {
     /// # Errors
     /// [`Error`] where they cannot be made.
     pub fn create(folder: &Path, setup: &StudySetup, design_seconds: &[f64]) -> Result<Self, Error> {
-        let joints = setup.robot().dof();
+        let joints = setup.robot.dof();
         let residuals: Vec<String> = (1..=joints).map(|joint| format!("residual_rms_{joint}")).collect();
         let mut columns = RUN_COLUMNS.to_vec();
         columns.extend(residuals.iter().map(|name| (name.as_str(), Kind::Number)));
@@ -64,7 +64,7 @@ impl RowFiles {
             numbers: NumberWriter::create(folder, setup)?,
             texts: Texts::of(setup),
             joints,
-            truths: setup.scorer().truths().iter().map(|beta| beta.as_slice().to_vec()).collect(),
+            truths: setup.scorer.truths.iter().map(|beta| beta.as_slice().to_vec()).collect(),
         })
     }
 
@@ -158,7 +158,7 @@ impl RowFiles {
 
 impl Texts {
     fn of(setup: &StudySetup) -> Self {
-        let plan = setup.plan();
+        let plan = &setup.plan;
         let text = |name: &str| ByteArray::from(name);
         let truth = |index: usize| match index {
             0 => text("robot"),
@@ -167,9 +167,9 @@ impl Texts {
         Self {
             families: setup.designs().iter().map(|&(family, _)| text(&plan.designs[family].name)).collect(),
             conditions: plan.conditions().iter().map(|condition| text(&condition.name)).collect(),
-            truths: (0..setup.scorer().truths().len()).map(truth).collect(),
+            truths: (0..setup.scorer.truths.len()).map(truth).collect(),
             estimators: plan.identification.estimators.iter().map(|name| text(name)).collect(),
-            parameters: setup.base().names().iter().map(|name| text(name)).collect(),
+            parameters: setup.base.names().iter().map(|name| text(name)).collect(),
             ok: text("ok"),
             none: text(""),
             robot: text("robot"),

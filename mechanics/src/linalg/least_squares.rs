@@ -158,6 +158,19 @@ impl LeastSquares {
         Ok(Self { solution, left, right, condition, condition_scaled })
     }
 
+    /// Another solution of the same equations with an A⁻¹ of its own, by [`LeastSquares::from_factors`]. The condition numbers stay.
+    ///
+    /// # Errors
+    /// As [`LeastSquares::from_factors`].
+    pub fn with_solution(
+        &self,
+        solution: DVector<f64>,
+        inverse_information: DMatrix<f64>,
+    ) -> Result<Self, LeastSquaresError> {
+        let unit = DMatrix::identity(solution.len(), solution.len());
+        Self::from_factors(solution, [inverse_information, unit], self.condition, self.condition_scaled)
+    }
+
     /// β̂, length b.
     pub const fn solution(&self) -> &DVector<f64> {
         &self.solution

@@ -17,6 +17,12 @@ impl Interval {
     pub fn contains(&self, value: f64) -> bool {
         self.low <= value && value <= self.high
     }
+
+    /// The interval of the value whose logarithm has this one.
+    #[must_use]
+    pub fn exp(self) -> Self {
+        Self { low: libm::exp(self.low), high: libm::exp(self.high) }
+    }
 }
 
 /// Interval for the mean of independent values by Student's t at confidence `level`; `None` of fewer than two.

@@ -16,17 +16,9 @@ pub enum Verdict {
     Undecided,
 }
 
-impl Verdict {
-    /// In words.
-    pub const fn words(self) -> &'static str {
-        match self {
-            Self::Holds => "holds",
-            Self::HoldsInPart => "holds in part",
-            Self::DoesNotHold => "does not hold",
-            Self::Undecided => "undecided",
-        }
-    }
-}
+crate::input::named! { Verdict as words {
+    Holds: "holds", HoldsInPart: "holds in part", DoesNotHold: "does not hold", Undecided: "undecided"
+} }
 
 /// A number behind a verdict.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

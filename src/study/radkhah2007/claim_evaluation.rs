@@ -4,6 +4,7 @@ use nalgebra::DVector;
 
 use super::claim::{Claim, Quantity, Verdict};
 use super::fitted_model::{Fits, FittedModel};
+use super::reproduction::Reproduction;
 use super::table_two_comparison::{MAX_LINK_MASS, TableLine, compare_with_table_two};
 use crate::base::{BaseMotion, Method, reduce_with_base};
 use crate::dynamics::Dynamics;
@@ -45,7 +46,7 @@ pub fn evaluate_claims(
     designs: &[StudyDesign],
     findings: &Findings,
     arm_factory: ArmFactory<'_>,
-) -> Result<(Vec<Claim>, Vec<TableLine>), StudyError> {
+) -> Result<Reproduction, StudyError> {
     let evaluation = ClaimEvaluation {
         rigid: FittedModel::new(setup, Columns::RIGID)?,
         whole: FittedModel::new(setup, setup.regressor.columns())?,
@@ -63,7 +64,7 @@ pub fn evaluate_claims(
         evaluation.mass_claim(),
         evaluation.moving_base_claim()?,
     ];
-    Ok((claims, table))
+    Ok(Reproduction { claims, table })
 }
 
 struct ClaimEvaluation<'a> {
@@ -192,7 +193,7 @@ impl ClaimEvaluation<'_> {
         };
         let ratios: Vec<f64> =
             (0..RUNS).filter_map(|run| Some(libm::log(rmse(&Sensing::default(), run)? / rmse(&exact, run)?))).collect();
-        let interval = t_interval(&ratios, 0.95).map(|i| Interval { low: libm::exp(i.low), high: libm::exp(i.high) });
+        let interval = t_interval(&ratios, 0.95).map(Interval::exp);
         let verdict = match interval {
             Some(i) if i.high < 1.1 => Verdict::Holds,
             Some(i) if i.low > 1.1 => Verdict::DoesNotHold,
@@ -224,7 +225,7 @@ impl ClaimEvaluation<'_> {
             let id = self.rigid.base.parameters[column];
             regrouped.set(id, regrouped.get(id) + lost[i]);
         }
-        let random = setup.validation().states(MotionKind::Random);
+        let random = setup.validation.states(MotionKind::Random);
         let torque = |parameters| -> Vec<f64> {
             let mut dynamics = Dynamics::new(&setup.robot, parameters);
             let mut all = Vec::new();

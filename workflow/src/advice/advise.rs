@@ -1,7 +1,7 @@
 //! The study, and the best of its candidates.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use armid::excitation::Termination;
 use armid::observer::Observer;
@@ -40,7 +40,10 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
             "robot.toml".to_owned()
         }
         None if robot::named(&settings.robot).is_ok() => settings.robot.clone(),
-        None => absolute(Path::new(&settings.robot))?.display().to_string(),
+        None => {
+            let path = Path::new(&settings.robot);
+            std::path::absolute(path).map_err(|error| Error::unreadable(path, &error))?.display().to_string()
+        }
     };
     let loaded = robot::load(&named, &settings.ends, Some(folder))?;
     let servo_hz = loaded.robot.servo().rate_hz;
@@ -88,7 +91,7 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
              rate_hz = {:?}\nperiods = {}\ndiscarded_periods = {}\n",
             best.design,
             best.estimator,
-            quoted(&named),
+            serde_json::Value::from(named),
             made.rate_hz,
             made.periods,
             AdvicePlan::DISCARDED_PERIODS
@@ -171,13 +174,4 @@ fn poorly_determined(result: &StudyResult, best: &Candidate) -> Vec<String> {
     let of = score.map_or(&[][..], |score| &score.parameters);
     let pairs = result.parameters.iter().zip(of);
     pairs.filter(|(line, score)| score.stated_std > line.truth.abs() / 3.0).map(|(line, _)| line.name.clone()).collect()
-}
-
-fn absolute(path: &Path) -> Result<PathBuf, Error> {
-    std::path::absolute(path).map_err(|error| Error::unreadable(path, &error))
-}
-
-/// A text as TOML has it.
-fn quoted(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
 }

@@ -49,7 +49,7 @@ pub struct Gain {
     pub estimates: usize,
     /// Median over base parameters of the bound after it over that so far.
     pub bound_ratio: f64,
-    /// The same by one more experiment like those so far.
+    /// Median over base parameters of the bound after one more experiment like those so far, over that so far.
     #[serde(rename = "bound_ratio_by_repetition")]
     pub by_repetition: f64,
 }

@@ -9,7 +9,7 @@ use armid_io::{Error, LoadedRobot};
 
 use super::answer::{DesignAnswer, Gain};
 use super::problem::problem;
-use super::search::{Found, search, starts};
+use super::search::{Found, search};
 use super::settings::{DesignGoal, DesignSettings};
 
 /// Designs a trajectory: the best of all starts within all limits, or where none is, the nearest to them. `None` where an
@@ -30,9 +30,8 @@ pub fn design(
         None => HeldShapes::default(),
     };
     let problem = problem(&loaded, settings)?;
-    let starts = starts(settings, problem.robot())?;
     let began = Instant::now();
-    let Found { designs, baseline, interrupted } = search(&problem, &starts, settings, observer)?;
+    let Found { designs, baseline, interrupted } = search(&problem, settings, observer)?;
     let seconds = began.elapsed().as_secs_f64();
     let Some(best) = best_of(&designs).or_else(|| nearest_of(&designs)).cloned() else { return Ok(None) };
     let gain = Gain::of(&problem, &best, settings.prior.len()).map_err(Error::of)?;

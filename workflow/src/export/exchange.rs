@@ -8,7 +8,6 @@ use armid::model::format::{
 use armid::model::term::{COULOMB, ROTOR, VISCOUS};
 use armid::model::{Columns, Robot, StandardParameters};
 use armid::regressor::JointTorqueRegressor;
-use armid::seed::Seed;
 use armid_io::output::pretty;
 use armid_io::robot::ChainSource;
 use armid_io::{Error, LoadedRobot};
@@ -16,9 +15,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::python_file;
-
-/// States on which what was read back is compared.
-const STATES: usize = 200;
+use super::read_back::{STATES, largest_difference};
 
 /// Relative difference that rounding explains: numbers go through text, angles and another choice of frames.
 const ROUNDING: f64 = 1e-9;
@@ -150,8 +147,8 @@ impl Exchange {
             }
             Self::Toml => parse_parameters(text, robot, true)
                 .map(|file| (robot.clone().with_drives(file.motors), file.parameters)),
-            Self::Json => parse_parameter_map(text, robot).map(|(parameters, robot)| (robot, parameters)),
-            Self::Isaac => {
+            // A map alone is a file without anything around it.
+            Self::Json | Self::Isaac => {
                 parse_parameter_map(python_file::parameters(text), robot).map(|(parameters, robot)| (robot, parameters))
             }
             Self::Python => {
@@ -216,26 +213,10 @@ impl Reloaded {
             *drive = drive.only(|term| columns.has(term));
         }
         let regressor = JointTorqueRegressor::new(robot, columns).map_err(Error::of)?;
-        let n = robot.dof();
         let phi = parameters.vector(robot, columns);
         let mut dynamics = Dynamics::new(read, &found);
-        let mut y = vec![0.0; n * phi.len()];
-        let mut tau = vec![0.0; n];
-        let (mut largest, mut differences) = (vec![0.0_f64; n], vec![0.0_f64; n]);
-        let mut rng = Seed::new(0).stream("read back", 0);
-        for _ in 0..STATES {
-            let (q, qd, qdd) = armid::conformance::chains::random_state(&mut rng, n);
-            regressor.evaluate(&q, &qd, &qdd, &mut y);
-            dynamics.inverse(&q, &qd, &qdd, &mut tau);
-            for i in 0..n {
-                let expected: f64 =
-                    y[i * phi.len()..(i + 1) * phi.len()].iter().zip(&phi).map(|(y, phi)| y * phi).sum();
-                largest[i] = largest[i].max(expected.abs());
-                differences[i] = differences[i].max((tau[i] - expected).abs());
-            }
-        }
-        let difference = differences.iter().zip(&largest).map(|(d, size)| d / size.max(f64::MIN_POSITIVE));
-        let difference = difference.fold(0.0, f64::max);
+        let torque = |q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]| dynamics.inverse(q, qd, qdd, tau);
+        let difference = largest_difference(&regressor, phi.as_slice(), torque);
         Ok(Self { states: STATES, difference, friction })
     }
 

@@ -4,6 +4,7 @@ mod exchange;
 mod model_file;
 mod model_prediction;
 mod python_file;
+mod read_back;
 mod snapping;
 mod source;
 

@@ -99,7 +99,7 @@ pub struct Lacking {
     /// Its unit.
     #[serde(skip)]
     pub unit: String,
-    /// The same as a share of the measured torque.
+    /// That RMS as a share of the measured torque.
     pub torque_share: f64,
 }
 

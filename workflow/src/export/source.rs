@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 use armid::base::{BaseReduction, Method, reduce};
 use armid::codegen::{BaseModel, Language};
-use armid::conformance::chains::random_state;
 use armid::estimation::{BaseEstimate, Estimate, EstimationError};
 use armid::model::Robot;
 use armid::remedy::{Remedy, Setting, Task};
@@ -13,10 +12,8 @@ use armid::seed::Seed;
 use armid_io::{Error, LoadedRobot};
 use serde::Serialize;
 
+use super::read_back::{STATES, largest_difference};
 use crate::payload::columns_of;
-
-/// States at which the operations are compared.
-const STATES: usize = 200;
 
 /// Relative difference that rounding explains.
 const ROUNDING: f64 = 1e-9;
@@ -127,26 +124,11 @@ fn header(estimate: &Estimate, robot: &Robot) -> String {
 
 /// Largest difference of the operations from the regressor times the base parameters in their places.
 fn difference(model: &BaseModel, estimate: &Estimate, base: &BaseReduction, robot: &Robot) -> f64 {
-    let n = robot.dof();
     let Some(columns) = armid::model::Columns::parse(&estimate.columns) else { return f64::INFINITY };
     let Ok(regressor) = estimate.regressor(robot, columns) else { return f64::INFINITY };
     let mut phi = vec![0.0; base.parameters.len()];
     for (&column, value) in base.kept.iter().zip(&estimate.base) {
         phi[column] = value.value;
     }
-    let (mut y, mut tau) = (vec![0.0; n * phi.len()], vec![0.0; n]);
-    let (mut largest, mut differences) = (vec![0.0_f64; n], vec![0.0_f64; n]);
-    let mut rng = Seed::new(0).stream("read back", 0);
-    for _ in 0..STATES {
-        let (q, qd, qdd) = random_state(&mut rng, n);
-        regressor.evaluate(&q, &qd, &qdd, &mut y);
-        model.inverse_dynamics(&q, &qd, &qdd, &mut tau);
-        for (i, row) in y.chunks_exact(phi.len()).enumerate() {
-            let expected: f64 = row.iter().zip(&phi).map(|(y, phi)| y * phi).sum();
-            largest[i] = largest[i].max(expected.abs());
-            differences[i] = differences[i].max((tau[i] - expected).abs());
-        }
-    }
-    let relative = differences.iter().zip(&largest).map(|(d, size)| d / size.max(f64::MIN_POSITIVE));
-    relative.fold(0.0, f64::max)
+    largest_difference(&regressor, &phi, |q, qd, qdd, tau| model.inverse_dynamics(q, qd, qdd, tau))
 }

@@ -42,7 +42,7 @@ pub struct Identified {
     pub estimate: Estimate,
     /// Torque that it does not explain, in what was used.
     pub used: TorqueResidual,
-    /// The same in what was held out.
+    /// Torque that it does not explain, in what was held out.
     pub held_out: Option<TorqueResidual>,
     /// What each base parameter stands for.
     pub expressions: Vec<String>,

@@ -24,7 +24,7 @@ pub struct Verdict {
     pub of: &'static str,
     /// Torque that is not explained, as a share of the measured one.
     pub total: Option<f64>,
-    /// The same of the worst joint.
+    /// Torque that is not explained of the worst joint.
     pub worst_joint: Option<JointShare>,
     /// Parameters that are determined to within a third of their value.
     pub determined: usize,

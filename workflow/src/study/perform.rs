@@ -6,9 +6,10 @@ use armid::observer::Observer;
 use armid::remedy::{Remedy, Setting};
 use armid::study::{OwnMethods, StoppingRule, StudyPlan, StudyPlanError, StudyPlans};
 use armid_io::Error;
+use armid_io::study::{FinishedWork, Journal};
 
 use super::answer::StudyAnswer;
-use super::part::{Part, Stage};
+use super::part::{Part, Stage, designs_from};
 use super::performance::Performance;
 use super::prepared::PreparedStudy;
 use super::robots;
@@ -44,20 +45,16 @@ fn perform_one(plan: &StudyPlan, settings: &StudySettings, observer: &dyn Observ
         Some(Stage::Designs) => {
             let mut work = study.no_work()?;
             study.begin(&mut work, settings.resume)?;
-            let is_there = study.perform_designs(work)?;
-            Ok(if is_there { part(settings) } else { interrupted(&settings.output) })
+            Ok(if study.perform_designs(work)? { study.part_answer() } else { study.interrupted() })
         }
         Some(Stage::Runs) | None => {
             // Before a journal is begun: a mistaken folder is found while nothing is written yet.
-            let mut work = study.with_designs_from(&settings.designs_from)?;
-            study.begin(&mut work, settings.resume)?;
-            match study.perform(work)? {
-                Some(performed) if settings.part.is_whole() => {
-                    Ok(StudyAnswer::Whole(Box::new(study.sum_up(performed)?)))
-                }
-                Some(_) => Ok(part(settings)),
-                None => Ok(interrupted(&settings.output)),
+            let mut work = study.no_work()?;
+            for folder in &settings.designs_from {
+                designs_from(folder, &mut work, study.setup)?;
             }
+            study.begin(&mut work, settings.resume)?;
+            study.answer(work)
         }
     }
 }
@@ -75,7 +72,7 @@ fn perform_until(mut study: Performance<'_>, words: &str, settings: &StudySettin
     let mut work = study.no_work()?;
     study.begin(&mut work, settings.resume)?;
     let Some((looks, work)) = study.perform_until(work, &rule, words)? else {
-        return Ok(interrupted(&settings.output));
+        return Ok(study.interrupted());
     };
     let first = study.plan().first_starts(looks.starts());
     let performed = PreparedStudy::new(first, settings.beside.as_deref(), &settings.own)?;
@@ -101,23 +98,34 @@ pub fn merge(
     }
     let prepared = PreparedStudy::new(plan, beside, &OwnMethods::default())?;
     let study = prepared.performance(output, Part::default(), observer);
-    let mut work = study.with_work_from(folders)?;
+    let mut work = study.no_work()?;
+    for folder in folders {
+        work.include(&folder.join(Journal::NAME), study.setup)?;
+    }
     let missing = study.missing(&work);
     if missing > 0 {
         let message = format!("{missing} runs are in none of the folders, expected every part of the study, complete");
         return Err(Error::new(message));
     }
     study.begin(&mut work, false)?;
-    match study.perform(work)? {
-        Some(performed) => Ok(StudyAnswer::Whole(Box::new(study.sum_up(performed)?))),
-        None => Ok(interrupted(output)),
+    study.answer(work)
+}
+
+impl Performance<'_> {
+    /// Performs what is missing, and sums up a whole study.
+    fn answer(&self, work: FinishedWork) -> Result<StudyAnswer, Error> {
+        Ok(match self.perform(work)? {
+            Some(performed) if self.part.is_whole() => StudyAnswer::Whole(Box::new(self.sum_up(performed)?)),
+            Some(_) => self.part_answer(),
+            None => self.interrupted(),
+        })
     }
-}
 
-fn part(settings: &StudySettings) -> StudyAnswer {
-    StudyAnswer::Part { part: settings.part, folder: settings.output.clone() }
-}
+    fn part_answer(&self) -> StudyAnswer {
+        StudyAnswer::Part { part: self.part, folder: self.output.to_path_buf() }
+    }
 
-fn interrupted(folder: &Path) -> StudyAnswer {
-    StudyAnswer::Interrupted { folder: folder.to_path_buf() }
+    fn interrupted(&self) -> StudyAnswer {
+        StudyAnswer::Interrupted { folder: self.output.to_path_buf() }
+    }
 }

@@ -12,10 +12,10 @@ use rayon::prelude::*;
 
 use armid_io::Error;
 use armid_io::output::write_text;
-use armid_io::study::{FinishedWork, Journal, MadeDesign, NumberFile, RowFiles, check_output, plan_text};
+use armid_io::study::{FinishedWork, MadeDesign, NumberFile, RowFiles, check_output, plan_text};
 use armid_sim::SimulatedArm;
 
-use super::part::{Part, Stage, designs_from, make_designs};
+use super::part::{Part, Stage, make_designs};
 use crate::counter::{Counter, Latch};
 
 /// Runs that are begun before the rows of those before them are written: enough that teams of runs on one arm are full.
@@ -52,44 +52,16 @@ impl Performance<'_> {
         &self.arms[0]
     }
 
-    /// What decides the rows: stored work with another identity belongs to another study.
-    fn identity(&self) -> Result<String, Error> {
-        Ok(sha256(&plan_text(self.setup.plan())?))
-    }
-
-    /// No work yet.
+    /// No work yet. The text of the plan decides the rows: stored work with another one belongs to another study.
     pub(super) fn no_work(&self) -> Result<FinishedWork, Error> {
-        Ok(FinishedWork::new(self.setup, &self.identity()?))
-    }
-
-    /// The designs that folders hold, or the folders in them.
-    pub(super) fn with_designs_from<P: AsRef<Path>>(&self, folders: &[P]) -> Result<FinishedWork, Error> {
-        let mut work = self.no_work()?;
-        for folder in folders {
-            designs_from(folder.as_ref(), &mut work, self.setup)?;
-        }
-        Ok(work)
-    }
-
-    /// The work in the journals of these folders, of which every one has its own.
-    pub(super) fn with_work_from<P: AsRef<Path>>(&self, folders: &[P]) -> Result<FinishedWork, Error> {
-        let mut work = self.no_work()?;
-        for folder in folders {
-            work.include(&folder.as_ref().join(Journal::NAME), self.setup)?;
-        }
-        Ok(work)
-    }
-
-    /// Is the output folder free for this study?
-    pub(super) fn check_output(&self) -> Result<(), Error> {
-        check_output(self.output, self.plan(), self.setup.own_methods())
+        Ok(FinishedWork::new(self.setup, &sha256(&plan_text(self.plan())?)))
     }
 
     /// Begins the journal in the output folder, or goes on with it; the plan stands beside it.
     pub(super) fn begin(&self, work: &mut FinishedWork, resume: bool) -> Result<(), Error> {
-        self.check_output()?;
+        check_output(self.output, self.plan(), &self.setup.own)?;
         work.begin(self.output, resume, self.setup)?;
-        write_text(&self.output.join("study.toml"), &plan_text(self.setup.plan())?)?;
+        write_text(&self.output.join("study.toml"), &plan_text(self.plan())?)?;
         if let Some(note) = work.note() {
             self.observer.note(&note);
         }
@@ -98,7 +70,7 @@ impl Performance<'_> {
 
     /// The plan.
     pub(super) fn plan(&self) -> &StudyPlan {
-        self.setup.plan()
+        &self.setup.plan
     }
 
     /// How many planned runs are not finished.
@@ -117,20 +89,16 @@ impl Performance<'_> {
         self.part.holds(position) && designs[self.order.id(position).design]
     }
 
-    /// How many designs of this part are not made.
-    pub(super) fn missing_designs(&self, work: &FinishedWork) -> usize {
-        let designs = work.designs().iter().enumerate();
-        designs.filter(|(index, design)| self.part.holds(*index) && design.is_none()).count()
-    }
-
     /// Makes the designs of this part that are missing, and says whether all are there.
     pub(super) fn perform_designs(&self, work: FinishedWork) -> Result<bool, Error> {
-        let designs = work.designs().iter().enumerate();
-        let mine = designs.filter(|(index, made)| self.part.holds(*index) && made.is_none()).map(|(index, _)| index);
-        let mine = mine.collect();
+        let missing = |work: &FinishedWork| -> Vec<usize> {
+            let designs = work.designs().iter().enumerate();
+            designs.filter(|(index, made)| self.part.holds(*index) && made.is_none()).map(|(index, _)| index).collect()
+        };
+        let mine = missing(&work);
         let work = Mutex::new(work);
         self.make_designs(mine, &work)?;
-        Ok(self.missing_designs(&work.into_inner().map_err(Error::of)?) == 0)
+        Ok(missing(&work.into_inner().map_err(Error::of)?).is_empty())
     }
 
     /// Makes the designs, where it is not the stage of the runs alone, and performs the runs that are missing; of the whole
@@ -208,7 +176,7 @@ impl Performance<'_> {
             match self.first().exact_period(&plan) {
                 Ok(states) => exact.push(states),
                 // A motion that runs away has no bound; its runs say why.
-                Err(_) => return Ok(vec![f64::INFINITY; self.setup.base().rank()]),
+                Err(_) => return Ok(vec![f64::INFINITY; self.setup.base.rank()]),
             }
         }
         Ok(self.setup.bound_of_sequence(&exact))

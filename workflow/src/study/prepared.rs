@@ -48,7 +48,7 @@ impl PreparedStudy {
 
     /// The plan.
     pub fn plan(&self) -> &StudyPlan {
-        self.setup.plan()
+        &self.setup.plan
     }
 
     /// Is a folder free for this study?
@@ -56,7 +56,7 @@ impl PreparedStudy {
     /// # Errors
     /// [`Error`] where it holds another one.
     pub fn check_output(&self, folder: &Path) -> Result<(), Error> {
-        check_output(folder, self.plan(), self.setup.own_methods())
+        check_output(folder, self.plan(), &self.setup.own)
     }
 
     pub(super) fn performance<'a>(

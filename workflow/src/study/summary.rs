@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use armid::experiment::Sensing;
 use armid::provenance::Provenance;
 use armid::seed::RunNoise;
-use armid::study::radkhah2007::{Reproduction, evaluate_claims};
+use armid::study::radkhah2007::evaluate_claims;
 use armid::study::{Examples, ReportInput, RunId, RunOrder, ScoredEstimate, StudyDesign};
 use armid_io::Error;
 use armid_io::study::{FinishedWork, Journal, plan_text, read_study, write_provenance, write_study};
@@ -31,14 +31,12 @@ impl Performance<'_> {
             designs.into_iter().map(|made| (made.design, made.bound)).unzip();
         let conditions = self.setup.conditions(&designs, &bounds, &numbers).map_err(Error::of)?;
         let effect_sensitivity = self.setup.effect_sensitivity(&designs, &conditions, &numbers).map_err(Error::of)?;
-        let radkhah2007 = if self.setup.plan().radkhah2007_claims {
+        let radkhah2007 = if self.setup.plan.radkhah2007_claims {
             let arm = |sensing: &Sensing, noise: RunNoise| {
                 self.first().arm(sensing, noise).map_err(|error| error.to_string())
             };
-            let (claims, table) =
-                evaluate_claims(self.setup, self.first().truth(), &designs, &conditions[0].findings, &arm)
-                    .map_err(Error::of)?;
-            Some(Reproduction { claims, table })
+            let found = evaluate_claims(self.setup, self.first().truth(), &designs, &conditions[0].findings, &arm);
+            Some(found.map_err(Error::of)?)
         } else {
             None
         };
@@ -68,8 +66,8 @@ impl Performance<'_> {
 
     /// What produces the results.
     fn provenance(&self) -> Provenance {
-        let seed = self.setup.plan().seed;
-        Provenance::new(self.setup.robot().name(), self.robot_text, Some(seed))
+        let seed = self.setup.plan.seed;
+        Provenance::new(self.setup.robot.name(), self.robot_text, Some(seed))
     }
 
     /// The best design of each family against its limits, and the first validation experiment against what a median
@@ -79,7 +77,7 @@ impl Performance<'_> {
             let of_family = designs.iter().enumerate().filter(|(_, design)| design.family == family);
             of_family.min_by(|(_, a), (_, b)| a.own_value().total_cmp(&b.own_value()))
         };
-        let families = self.setup.plan().designs.len().min(SHOWN_FAMILIES);
+        let families = self.setup.plan.designs.len().min(SHOWN_FAMILIES);
         let limits =
             (0..families).filter_map(best).map(|(index, design)| self.setup.limit_example(index, design)).collect();
         let shown = match best(0) {
@@ -90,10 +88,10 @@ impl Performance<'_> {
         };
         let prediction = match shown {
             Some((design, run, estimate)) => {
-                let seed = self.setup.plan().seed.child("validation experiment", 0);
+                let seed = self.setup.plan.seed.child("validation experiment", 0);
                 let simulated = self.first().made_of(self.setup.truth(run));
                 let mut arm = simulated.arm(&Sensing::default(), seed.of_run(0)).map_err(Error::of)?;
-                let trajectory = self.setup.validation().random().first();
+                let trajectory = self.setup.validation.random.first();
                 let samples = trajectory.and_then(|trajectory| self.setup.samples(trajectory, &mut *arm).ok());
                 samples.map(|samples| self.setup.prediction_example(design, &estimate, &samples))
             }

@@ -20,7 +20,7 @@ impl Performance<'_> {
     /// without work.
     pub(super) fn teams(&self, mut runs: Vec<RunId>) -> Vec<Vec<RunId>> {
         let most = runs.len().div_ceil(rayon::current_num_threads()).clamp(1, TEAM);
-        let arm = |id: &RunId| (id.condition, self.setup.plan().truth_of(id.run));
+        let arm = |id: &RunId| (id.condition, self.setup.plan.truth_of(id.run));
         runs.sort_by_key(arm);
         runs.chunk_by(|a, b| arm(a) == arm(b)).flat_map(|alike| alike.chunks(most)).map(<[RunId]>::to_vec).collect()
     }
@@ -65,7 +65,7 @@ impl Performance<'_> {
         simulated: &SimulatedArm,
         latch: &Latch<'_>,
     ) -> Result<Option<Arc<MeasuredMotions>>, Error> {
-        let plan = self.setup.plan();
+        let plan = &self.setup.plan;
         if plan.validation.measured == 0 {
             return Ok(None);
         }
@@ -73,7 +73,7 @@ impl Performance<'_> {
         if let Some(known) = self.measured.lock().map_err(Error::of)?.get(&arm) {
             return Ok(Some(Arc::clone(known)));
         }
-        let motions = self.setup.validation().measured().iter();
+        let motions = self.setup.validation.measured.iter();
         let plans: Vec<ExperimentPlan> = motions.map(|motion| self.setup.experiment(motion)).collect();
         let seed = plan.seed.child("measured motion", arm.1 as u64);
         let runs: Vec<BatchRun<'_>> =

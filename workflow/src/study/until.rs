@@ -16,9 +16,9 @@ impl Performance<'_> {
         rule: &StoppingRule,
         words: &str,
     ) -> Result<Option<(Looks, FinishedWork)>, Error> {
-        let families = rule.families(self.setup.plan()).map_err(Error::of)?;
+        let families = rule.families(&self.setup.plan).map_err(Error::of)?;
         let mut looks = Looks { until: words.to_owned(), looks: Vec::new(), termination: "all-starts" };
-        for (starts, bound) in StoppingRule::looks(self.setup.plan().designs[families[0]].starts) {
+        for (starts, bound) in StoppingRule::looks(self.setup.plan.designs[families[0]].starts) {
             self.starts = starts;
             work = match self.perform_some(work)? {
                 Some(work) => work,
@@ -44,7 +44,7 @@ impl Performance<'_> {
         starts: usize,
         work: &mut FinishedWork,
     ) -> Result<Vec<f64>, Error> {
-        let estimator = self.setup.plan().identification.estimators.len() - 1;
+        let estimator = self.setup.plan.identification.estimators.len() - 1;
         let number = RunNumber::Metric { estimator, metric: rule.metric };
         let mut logs = Vec::new();
         for start in 0..starts {
@@ -67,7 +67,7 @@ impl Performance<'_> {
         let mut values = Vec::new();
         for run in 0..self.order.runs(design) as u64 {
             let found = work.run(self.order.position(RunId { design, condition: 0, run }))?;
-            values.extend(found.and_then(|(outcome, _)| number.of(&outcome, self.setup.scorer().truths())));
+            values.extend(found.and_then(|(outcome, _)| number.of(&outcome, &self.setup.scorer.truths)));
         }
         Ok(values)
     }

@@ -56,7 +56,7 @@ impl Overrides {
         }
     }
 
-    /// The same as words of a command line.
+    /// These overrides as words of a command line.
     pub(crate) fn words(&self) -> Vec<String> {
         let number = |key: &str, value: Option<u32>| value.map(|value| [key.to_owned(), value.to_string()]);
         let arms = self.arm.as_ref().map(|arms| arms.iter().map(|arm| arm.name()).collect::<Vec<_>>().join(","));

@@ -66,5 +66,5 @@ impl Request {
 
 /// The folder that the command line names, or the plan's own.
 pub(super) fn output_folder(plan: &StudyPlan, console: &Console) -> Result<PathBuf> {
-    Ok(console.output().map_or_else(|| report_folder("name", &plan.name), |path| Ok(path.to_path_buf()))?)
+    Ok(console.output_or(|| report_folder("name", &plan.name))?)
 }

@@ -20,7 +20,7 @@
 //! Sources: E. Walter, L. Pronzato, *Identification of Parametric Models from Experimental Data*, Springer, 1997; Q. Leboutet et
 //! al., "Inertial parameter identification in robotics: a survey", Applied Sciences 11(9), 2021.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use super::commanded;
 use super::descent::{Descent, Linearised};
@@ -31,14 +31,11 @@ use super::trial::Trial;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::{Estimate, IntervalBasis};
 use crate::estimation::factorisation::Factorisation;
-use crate::estimation::inference::Inference;
-use crate::estimation::instruments::Instruments;
 use crate::estimation::linear_fit::LinearFit;
 use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;
 use crate::estimation::residual::residual_noise;
 use crate::estimation::termination::Termination;
-use crate::linalg::LeastSquares;
 
 /// Share by which a step may raise the sum of squares: rounding.
 const RISE: f64 = 1e-9;
@@ -48,22 +45,20 @@ pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Es
     if let Some(of) = trial.unknown_servo() {
         return commanded::estimate(name, problem, &trial, of);
     }
-    let (observation, equations) = (problem.observation, problem.factorised()?);
-    let problem = problem.with_factorisation(&equations);
-    let torque = LinearFit::weighted(&equations)?;
+    let observation = problem.observation;
+    let torque = LinearFit::weighted(&*problem.factorised()?)?;
     // The equations of this estimator: positions, whose noise is that of their residual.
     let positions = Observation { y: trial.positions(), noise: None, torque_covariance: None, ..observation.clone() };
     let linearise = |beta: &DVector<f64>| {
         let (motion, slopes) = trial.slopes(beta)?;
         Ok(Linearised { residual: trial.position_error(&motion), jacobian: slopes.q })
     };
-    let by_torque = torque.estimate(name, &problem, &torque.fit, Termination::Direct)?.covariance_matrix();
+    let by_torque = torque.estimate(name, problem, &torque.fit, Termination::Direct)?.covariance_matrix();
     let round = |at: (DVector<f64>, Linearised)| {
         let weights = at.1.residual_weights(&positions, &at.0)?;
         let hidden = Hidden::at(&at.1.jacobian, &positions, &weights, by_torque.clone())?;
         let held = hidden.held();
-        let descent =
-            Descent { problem: &problem, observation: &positions, weights: &weights, rise: RISE, held, onto: None };
+        let descent = Descent { problem, observation: &positions, weights: &weights, rise: RISE, held, onto: None };
         let rest = descent.follow(at, &linearise)?;
         let around = descent.solve(&rest.linearised, 0.0)?;
         Ok::<_, EstimationError>((rest, around, weights, hidden))
@@ -72,34 +67,20 @@ pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Es
     let Descended { rest, is_nominal, finding, .. } =
         descend(&trial, torque.fit.solution(), output, &linearise, |start| Ok((round(start)?.0, ())))?;
     let (rest, fit, weights, hidden) = round((rest.beta, rest.linearised))?;
-    let b = rest.beta.len();
-    let at_rest = |information: DMatrix<f64>| {
-        let factors = [information, DMatrix::identity(b, b)];
-        LeastSquares::from_factors(rest.beta.clone(), factors, fit.condition(), fit.condition_scaled())
-    };
     let around = rest.linearised.equations(&positions, &rest.beta);
     let around_equations = Factorisation::new(&around)?;
-    let around_problem = EstimationProblem { observation: &around, nominal: None, robot: None, ..problem }
+    let around_problem = EstimationProblem { observation: &around, nominal: None, robot: None, ..*problem }
         .with_factorisation(&around_equations);
     let linear = LinearFit {
-        fit: at_rest(fit.inverse_information())?,
+        fit: fit.with_solution(rest.beta.clone(), fit.inverse_information())?,
         weights: Some(weights),
         noise: residual_noise(&around, &around.residual(&rest.beta)),
         basis: IntervalBasis::Residual,
     };
     let of_positions = linear.estimate(name, &around_problem, &linear.fit, rest.termination)?;
     // The same parameters beside measured torque.
-    let beside = at_rest(torque.fit.inverse_information())?;
-    let mut estimate = Inference {
-        estimator: name,
-        problem: &problem,
-        fit: &beside,
-        instruments: torque.weights.as_ref().map_or(Instruments::Regressor, Instruments::Weighted),
-        noise: &torque.noise,
-        basis: torque.basis,
-        termination: rest.termination,
-    }
-    .estimate()?;
+    let beside = fit.with_solution(rest.beta.clone(), torque.fit.inverse_information())?;
+    let mut estimate = torque.estimate(name, problem, &beside, rest.termination)?;
     estimate.degrees_of_freedom = of_positions.degrees_of_freedom;
     estimate.motor_errors.clone_from(&of_positions.motor_errors);
     estimate.interval_basis = IntervalBasis::Residual;

@@ -27,7 +27,7 @@ use crate::estimation::observation::Observation;
 use crate::estimation::position_servo::{ServoEstimate, ServoPart};
 use crate::estimation::problem::EstimationProblem;
 use crate::estimation::residual::residual_noise;
-use crate::linalg::{BlockWhitening, LeastSquares, product};
+use crate::linalg::{BlockWhitening, product};
 use crate::statistics::student_quantile;
 
 /// Share by which a step may raise the sum of squares: rounding.
@@ -67,11 +67,7 @@ pub(super) fn estimate(
     let around = rest.linearised.equations(&positions, &rest.beta);
     let around_equations = Factorisation::new(&around)?;
     let noise = residual_noise(&around, &around.residual(&rest.beta));
-    let at_rest = |x: DVector<f64>, information: DMatrix<f64>| {
-        let k = x.len();
-        LeastSquares::from_factors(x, [information, DMatrix::identity(k, k)], fit.condition(), fit.condition_scaled())
-    };
-    let all = at_rest(rest.beta.clone(), fit.inverse_information())?;
+    let all = fit.with_solution(rest.beta.clone(), fit.inverse_information())?;
     let around_problem = EstimationProblem { observation: &around, nominal: None, robot: None, ..*problem };
     let of_positions = Inference {
         estimator: name,
@@ -94,16 +90,9 @@ pub(super) fn estimate(
     let beside_equations = Factorisation::new(&beside)?;
     let torque = LinearFit::weighted(&beside_equations)?;
     let beside_problem = EstimationProblem { observation: &beside, samples: Some(&restated), ..*problem };
-    let mut estimate = Inference {
-        estimator: name,
-        problem: &beside_problem.with_factorisation(&beside_equations),
-        fit: &at_rest(rest.beta.rows(0, b).into_owned(), torque.fit.inverse_information())?,
-        instruments: torque.instruments(),
-        noise: &torque.noise,
-        basis: torque.basis,
-        termination: rest.termination,
-    }
-    .estimate()?;
+    let beside_problem = beside_problem.with_factorisation(&beside_equations);
+    let of_arm = fit.with_solution(rest.beta.rows(0, b).into_owned(), torque.fit.inverse_information())?;
+    let mut estimate = torque.estimate(name, &beside_problem, &of_arm, rest.termination)?;
     estimate.degrees_of_freedom = noise.degrees_of_freedom();
     estimate.motor_errors = Vec::new();
     estimate.interval_basis = IntervalBasis::Residual;

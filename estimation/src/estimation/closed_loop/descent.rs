@@ -26,7 +26,7 @@ const MOST_DAMPING: f64 = 1e3;
 const FACTOR: f64 = 10.0;
 /// Length of a step, as weighted equations over all of them, at which the search has come to rest.
 pub(super) const AT_REST: f64 = 1e-9;
-/// The same where steps end in a set: about what is known of the nearest point of it.
+/// Length of a step at which the search has come to rest where steps end in a set: about what is known of the nearest point of it.
 pub(super) const AT_REST_IN_A_SET: f64 = 1e-8;
 
 /// Standard deviation of a position, over that of the joint that is known worst, below which it counts as that: a joint without
@@ -160,9 +160,7 @@ impl Descent<'_> {
     fn step(&self, at: &Linearised, beta: &DVector<f64>, damping: f64) -> Result<DVector<f64>, EstimationError> {
         let fit = self.solve(at, damping)?;
         let Some(onto) = self.onto else { return Ok(fit.solution().clone()) };
-        let factors = [fit.inverse_information(), DMatrix::identity(beta.len(), beta.len())];
-        let (condition, scaled) = (fit.condition(), fit.condition_scaled());
-        Ok(onto(&LeastSquares::from_factors(beta + fit.solution(), factors, condition, scaled)?)? - beta)
+        Ok(onto(&fit.with_solution(beta + fit.solution(), fit.inverse_information())?)? - beta)
     }
 
     /// The fit whose solution is Δ, with the damping μ.
@@ -185,8 +183,7 @@ impl Descent<'_> {
 
     /// `Σ^{-½} r`.
     fn white(&self, residual: &DVector<f64>) -> Result<DVector<f64>, EstimationError> {
-        let column = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
-        Ok(self.weights.clone().whiten(&column, &self.observation.used)?.column(0).into_owned())
+        Ok(self.observation.white(self.weights, residual)?)
     }
 }
 
@@ -197,9 +194,7 @@ impl Rest {
         if self.termination.was_successful() {
             return Ok(fit);
         }
-        let b = self.beta.len();
-        let factors = [fit.inverse_information(), DMatrix::identity(b, b)];
-        Ok(LeastSquares::from_factors(self.beta.clone(), factors, fit.condition(), fit.condition_scaled())?)
+        Ok(fit.with_solution(self.beta.clone(), fit.inverse_information())?)
     }
 }
 

@@ -11,13 +11,12 @@ use super::endogeneity::durbin_wu_hausman;
 use super::starting_point::{StartingPoint, starting_point};
 use super::trial::Trial;
 use crate::estimation::error::EstimationError;
-use crate::estimation::estimate::{Estimate, IntervalBasis};
+use crate::estimation::estimate::Estimate;
 use crate::estimation::inference::Inference;
 use crate::estimation::instruments::Instruments;
-use crate::estimation::linear_fit::LinearFit;
+use crate::estimation::linear_fit::{LinearFit, noise_of};
 use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;
-use crate::estimation::residual::{residual_noise, scatter_noise};
 use crate::estimation::termination::Termination;
 use crate::linalg::{BlockWhitening, LeastSquares, product, transpose_product};
 
@@ -116,15 +115,11 @@ impl InstrumentalFit {
     ) -> Result<Estimate, EstimationError> {
         let observation = problem.observation;
         let rows = self.weights.clone().whiten_transposed(&self.white_z, &observation.used)?;
-        let (noise, basis) = match scatter_noise(observation) {
-            Some(noise) => (noise, IntervalBasis::Scatter),
-            None => (residual_noise(observation, &observation.residual(fit.solution())), IntervalBasis::Residual),
-        };
+        let (noise, basis) = noise_of(observation, fit);
         let instruments = Instruments::Rows(&rows);
         let mut estimate =
             Inference { estimator, problem, fit, instruments, noise: &noise, basis, termination }.estimate()?;
-        let residual = column(&observation.residual(&self.linear));
-        let restricted = self.weights.clone().whiten(&residual, &observation.used)?.norm_squared();
+        let restricted = observation.white(&self.weights, &observation.residual(&self.linear))?.norm_squared();
         let (z, w, y) = (&self.white_z, &self.white_w, &self.white_y);
         let changes = estimate.base.iter().zip(&self.linear).map(|(p, linear)| ((p.value - linear) / p.std).abs());
         let largest = changes.fold(0.0, f64::max);
@@ -139,9 +134,7 @@ fn column(x: &DVector<f64>) -> DMatrix<f64> {
 
 /// A solution by instruments, with `(ZᵀW)⁻¹ ZᵀZ (WᵀZ)⁻¹` for its inverse information.
 fn with_own_covariance(fit: &LeastSquares, z: &DMatrix<f64>) -> Result<LeastSquares, EstimationError> {
-    let b = z.ncols();
-    let factors = [fit.sandwich(&transpose_product(z, z)), DMatrix::identity(b, b)];
-    Ok(LeastSquares::from_factors(fit.solution().clone(), factors, fit.condition(), fit.condition_scaled())?)
+    Ok(fit.with_solution(fit.solution().clone(), fit.sandwich(&transpose_product(z, z)))?)
 }
 
 /// `(ZᵀW)⁻¹ Zᵀ y` of weighted equations, solved with columns of unit length; conditions are those of the linear fit.
@@ -171,6 +164,5 @@ fn solve(
         }
     }
     let solution = product(&inverse, &transpose_product(z, y)).column(0).into_owned();
-    let factors = [inverse, DMatrix::identity(b, b)];
-    Ok(LeastSquares::from_factors(solution, factors, linear.condition(), linear.condition_scaled())?)
+    Ok(linear.with_solution(solution, inverse)?)
 }

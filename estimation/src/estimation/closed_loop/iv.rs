@@ -22,8 +22,6 @@ use crate::estimation::problem::EstimationProblem;
 
 /// Instrumental variables with the regressor along the simulated motion as instruments.
 pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-    let equations = problem.factorised()?;
-    let problem = problem.with_factorisation(&equations);
-    let found = InstrumentalFit::found(name, &problem, None)?;
-    found.estimate(name, &problem, &found.fit, found.termination)
+    let found = InstrumentalFit::found(name, problem, None)?;
+    found.estimate(name, problem, &found.fit, found.termination)
 }

@@ -57,7 +57,7 @@ pub trait ClosedLoop: fmt::Debug + Send + Sync {
         observer: &dyn Observer,
     ) -> Result<ClosedLoopMotion, ClosedLoopError>;
 
-    /// The same with its derivatives by some parameters (d of them) as means over blocks of `block` samples: those of the
+    /// The motion with its derivatives by some parameters (d of them) as means over blocks of `block` samples: those of the
     /// simulation itself, exact but for rounding.
     ///
     /// # Errors
@@ -70,12 +70,12 @@ pub trait ClosedLoop: fmt::Debug + Send + Sync {
         observer: &dyn Observer,
     ) -> Result<(ClosedLoopMotion, ClosedLoopSlopes), ClosedLoopError>;
 
-    /// The same loop as one of joints that were commanded positions; `None` of a servo of armid's own.
+    /// This loop as one of joints that were commanded positions; `None` of a servo of armid's own.
     fn commanded(&self) -> Option<&dyn CommandedLoop> {
         None
     }
 
-    /// The same loop in intervals, for multiple shooting; `None` where it can begin from rest alone.
+    /// This loop in intervals, for multiple shooting; `None` where it can begin from rest alone.
     fn in_intervals(&self) -> Option<&dyn ClosedLoopIntervals> {
         None
     }

@@ -26,7 +26,7 @@ use crate::signal::Samples;
 /// What trial points are simulated with.
 pub(super) struct Trial<'a> {
     estimator: &'a str,
-    observation: &'a Observation,
+    pub(super) observation: &'a Observation,
     robot: &'a Robot,
     samples: &'a Samples,
     closed_loop: &'a dyn ClosedLoop,
@@ -61,11 +61,6 @@ impl<'a> Trial<'a> {
             observer: problem.observer,
             regressor: problem.observation.joint_regressor(robot),
         })
-    }
-
-    /// The equations.
-    pub(super) fn observation(&self) -> &'a Observation {
-        self.observation
     }
 
     /// The loop in intervals, where it can begin in any state.

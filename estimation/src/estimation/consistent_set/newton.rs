@@ -76,7 +76,7 @@ impl<'a> DataTerm<'a> {
         self.k * phi
     }
 
-    /// The same around other base parameters.
+    /// This data term around other base parameters.
     pub(super) fn at<'b>(&self, beta: &'b DVector<f64>) -> DataTerm<'b>
     where
         'a: 'b,

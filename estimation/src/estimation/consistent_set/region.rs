@@ -4,6 +4,7 @@ use nalgebra::{DVector, Matrix4};
 
 use super::shape_bounds::ShapeBounds;
 use crate::base::BaseReduction;
+use crate::estimation::completion::check_links;
 use crate::estimation::error::EstimationError;
 use crate::model::term::Sign;
 use crate::model::{ParameterId, ParameterKind, StandardParameters};
@@ -103,7 +104,7 @@ impl Region {
         Ok(region)
     }
 
-    /// The same around a guess that is `factor` times as large.
+    /// The region around a guess that is `factor` times as large.
     pub(super) fn scaled(&self, factor: f64) -> Self {
         let root = 1.0 / factor.sqrt();
         let link = |link: &LinkRegion| LinkRegion {
@@ -218,17 +219,11 @@ fn within_the_cone(pseudo: PseudoInertia) -> Matrix4<f64> {
 
 /// Whether base and guess belong together, and the ten of each link follow its mass.
 fn check(base: &BaseReduction, guess: &StandardParameters) -> Result<(), EstimationError> {
-    let links = base.parameters.iter().map(|id| id.index + 1).max().unwrap_or(0);
-    if guess.links.len() != links || guess.drives.len() != links {
-        let found = guess.links.len();
-        return Err(EstimationError::Count { quantity: "links of the nominal set", found, expected: links });
-    }
+    check_links(base, guess)?;
     for (at, id) in base.parameters.iter().enumerate().filter(|(_, id)| id.kind == ParameterKind::M) {
         let of_link = |other: &&ParameterId| other.index == id.index && other.kind.term().is_none();
         let found = base.parameters[at..].iter().take(10).take_while(of_link).count();
-        if found != 10 {
-            return Err(EstimationError::Count { quantity: "parameters of a link", found, expected: 10 });
-        }
+        EstimationError::unless_equal("parameters of a link", found, 10)?;
     }
     Ok(())
 }

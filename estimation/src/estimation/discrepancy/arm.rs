@@ -23,7 +23,8 @@ pub(in crate::estimation) struct Discrepancy {
     joints: Vec<JointDiscrepancy>,
     /// Variance of one equation of what repeats and looks like noise, n × n, diagonal, (N·m)².
     white: DMatrix<f64>,
-    findings: Vec<Finding>,
+    /// Joints whose own fit leaves more than chance explains, at 5 % over all joints.
+    pub(in crate::estimation) findings: Vec<Finding>,
 }
 
 /// The discrepancy of one joint, as far as functions go.
@@ -79,7 +80,7 @@ impl Discrepancy {
         let joints = residuals.iter().zip(sizes).map(|(&(joint, ref residual), sizes)| {
             white[(joint, joint)] = sizes.white * noise.covariance()[(joint, joint)];
             let functions = &functions[joint];
-            let own = functions.own.iter().zip(sizes.own.iter().map(|size| size * residual.unit()));
+            let own = functions.own.iter().zip(sizes.own.iter().map(|size| size * residual.unit));
             let columns = own
                 .chain(functions.shared.iter().zip(shared))
                 .flat_map(|(group, variance)| group.column_iter().map(move |column| column * variance.sqrt()));
@@ -88,11 +89,6 @@ impl Discrepancy {
         });
         let joints = joints.collect();
         Some(Self { blocks, joints, white, findings })
-    }
-
-    /// Joints whose own fit leaves more than chance explains, at 5 % over all joints.
-    pub(in crate::estimation) fn findings(&self) -> &[Finding] {
-        &self.findings
     }
 
     /// What of it repeats and looks like noise, as a noise that is white in time.

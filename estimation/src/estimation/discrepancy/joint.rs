@@ -41,7 +41,7 @@ pub(super) struct JointResidual {
     freedom: f64,
     scatter_freedom: f64,
     /// Variance of the noise of one block, (N·m)².
-    unit: f64,
+    pub(super) unit: f64,
     /// Which blocks are used.
     used: Vec<bool>,
 }
@@ -107,11 +107,6 @@ impl JointResidual {
             unit,
             used,
         })
-    }
-
-    /// Variance that a size of 1 stands for, (N·m)².
-    pub(super) const fn unit(&self) -> f64 {
-        self.unit
     }
 
     /// How probable it is that noise alone leaves as much.

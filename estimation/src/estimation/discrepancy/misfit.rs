@@ -42,7 +42,7 @@ pub(super) fn findings(joints: &[JointMisfit<'_>]) -> Vec<Finding> {
 
 impl JointMisfit<'_> {
     fn finding(&self, p_adjusted: f64) -> Finding {
-        let noise = self.residual.unit();
+        let noise = self.residual.unit;
         let beyond = |mean_square: f64| (noise * (mean_square - 1.0).max(0.0)).sqrt();
         let squares = self.residual.squares();
         let speed_unit = if self.unit == "N" { "m/s" } else { "rad/s" };

@@ -24,7 +24,7 @@ const STEPS: usize = 40;
 const CHANGE: f64 = 5e-3;
 /// Largest size of a joint's own group over the mean square of what is visible of it beyond noise.
 const MOST: f64 = 16.0;
-/// The same of a law of all joints.
+/// Largest size of a law of all joints.
 const SHARED_MOST: f64 = 36.0;
 /// Standard deviations that the size of a law of all joints has added.
 const SHARED_STD: f64 = 3.0;

@@ -78,7 +78,7 @@ pub fn fit_model(
     Ok(fit)
 }
 
-/// The same with the load that these links give.
+/// The fit with the load that these links give.
 fn fit_under(
     links: &StandardParameters,
     robot: &Robot,
@@ -125,12 +125,8 @@ impl LogEquations {
         guess: &ModelGuess,
     ) -> Result<Self, EstimationError> {
         let n = robot.dof();
-        let links = guess.parameters.links.len();
-        for (quantity, found) in [("joints of the samples", samples.dof()), ("links of the guess", links)] {
-            if found != n {
-                return Err(EstimationError::Count { quantity, found, expected: n });
-            }
-        }
+        EstimationError::unless_equal("joints of the samples", samples.dof(), n)?;
+        EstimationError::unless_equal("links of the guess", guess.parameters.links.len(), n)?;
         let regressor = JointTorqueRegressor::with_load(robot, columns, load);
         let ids = regressor.parameters().to_vec();
         let p = ids.len();

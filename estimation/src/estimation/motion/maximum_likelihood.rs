@@ -38,11 +38,10 @@ const AT_REST: f64 = 1e-9;
 
 /// Parameters and motion of the largest likelihood.
 pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-    let (observation, equations) = (problem.observation, problem.factorised()?);
-    let problem = problem.with_factorisation(&equations);
-    let linear = LinearFit::weighted(&equations)?;
-    let (Some(motion), Some(noise)) = (MotionNoise::of(&problem), observation.noise.as_ref()) else {
-        let mut estimate = linear.estimate(name, &problem, &linear.fit, Termination::Direct)?;
+    let observation = problem.observation;
+    let linear = LinearFit::weighted(&*problem.factorised()?)?;
+    let (Some(motion), Some(noise)) = (MotionNoise::of(problem), observation.noise.as_ref()) else {
+        let mut estimate = linear.estimate(name, problem, &linear.fit, Termination::Direct)?;
         estimate.findings.push(Finding::MotionTakenAsExact);
         return Ok(estimate);
     };
@@ -73,7 +72,7 @@ pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Es
     let residual = residual_noise(observation, &step.residual);
     Inference {
         estimator: name,
-        problem: &problem,
+        problem,
         fit: &step.fit,
         instruments: Instruments::Rows(&step.instruments),
         noise: &residual,

@@ -35,11 +35,10 @@ const FOUND: f64 = 1e-13;
 
 /// Least squares with the noise of torque and of motion.
 pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-    let (observation, equations) = (problem.observation, problem.factorised()?);
-    let problem = problem.with_factorisation(&equations);
-    let linear = LinearFit::weighted(&equations)?;
-    let (Some(motion), Some(weights)) = (MotionNoise::of(&problem), &linear.weights) else {
-        let mut estimate = linear.estimate(name, &problem, &linear.fit, Termination::Direct)?;
+    let observation = problem.observation;
+    let linear = LinearFit::weighted(&*problem.factorised()?)?;
+    let (Some(motion), Some(weights)) = (MotionNoise::of(problem), &linear.weights) else {
+        let mut estimate = linear.estimate(name, problem, &linear.fit, Termination::Direct)?;
         estimate.findings.push(Finding::MotionTakenAsExact);
         return Ok(estimate);
     };
@@ -48,17 +47,11 @@ pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Es
     let freedom = count.saturating_sub(linear.fit.solution().len()).max(1) as f64;
     let rest = linear.residual_variance(observation)? * freedom;
     let total = Total::of(&linear.fit, &errors, rest, count as f64).ok_or(EstimationError::NotDefinite)?;
-    let b = total.beta.len();
-    let fit = LeastSquares::from_factors(
-        total.beta,
-        [total.inverse, DMatrix::identity(b, b)],
-        linear.fit.condition(),
-        linear.fit.condition_scaled(),
-    )?;
+    let fit = linear.fit.with_solution(total.beta, total.inverse)?;
     let noise = residual_noise(observation, &observation.residual(fit.solution()));
     Inference {
         estimator: name,
-        problem: &problem,
+        problem,
         fit: &fit,
         instruments: linear.instruments(),
         noise: &noise,

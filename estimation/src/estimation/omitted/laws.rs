@@ -38,6 +38,13 @@ pub(super) struct Law {
     pub(super) columns: DMatrix<f64>,
 }
 
+impl Law {
+    /// An effect at its realistic size.
+    fn realistic(effect: EffectKind, columns: DMatrix<f64>) -> Self {
+        Self { effect, level: effect.entry().realistic, unit: effect.entry().unit, columns }
+    }
+}
+
 /// The motion, and torque that the estimate gives.
 struct Motion<'a> {
     observation: &'a Observation,
@@ -106,12 +113,7 @@ impl Motion<'_> {
                 columns.push((j, (0..states.len()).map(hidden).collect()));
             }
         }
-        Ok(Law {
-            effect: EffectKind::LoadFriction,
-            level,
-            unit: EffectKind::LoadFriction.entry().unit,
-            columns: self.of_joints(columns)?,
-        })
+        Ok(Law::realistic(EffectKind::LoadFriction, self.of_joints(columns)?))
     }
 
     fn current_lag(&self) -> Result<Law, EstimationError> {
@@ -119,12 +121,7 @@ impl Motion<'_> {
         let level = EffectKind::CurrentLag.entry().realistic;
         let rate = self.rate(&self.smooth);
         let own = |j: usize| rate.iter().skip(j).step_by(n).map(|rate| 1e-3 * level * rate).collect();
-        Ok(Law {
-            effect: EffectKind::CurrentLag,
-            level,
-            unit: EffectKind::CurrentLag.entry().unit,
-            columns: self.of_joints((0..n).map(|j| (j, own(j))))?,
-        })
+        Ok(Law::realistic(EffectKind::CurrentLag, self.of_joints((0..n).map(|j| (j, own(j))))?))
     }
 
     fn elasticity(&self, robot: &Robot) -> Law {
@@ -163,7 +160,7 @@ impl Motion<'_> {
                 }
             }
         }
-        Law { effect: EffectKind::Elasticity, level, unit: EffectKind::Elasticity.entry().unit, columns }
+        Law::realistic(EffectKind::Elasticity, columns)
     }
 
     fn presliding(&self) -> Result<Law, EstimationError> {

@@ -19,15 +19,11 @@ pub(in crate::estimation) struct OmittedTorque {
     pub(super) second_moment: DMatrix<f64>,
     /// Which columns are of laws that the log supports.
     pub(super) supported: Vec<usize>,
-    pub(super) findings: Vec<Finding>,
+    /// The laws that the log supports.
+    pub(in crate::estimation) findings: Vec<Finding>,
 }
 
 impl OmittedTorque {
-    /// The laws that the log supports.
-    pub(in crate::estimation) fn findings(&self) -> &[Finding] {
-        &self.findings
-    }
-
     /// Columns of the laws that the log supports, (n·M) × few.
     pub(in crate::estimation) fn supported(&self) -> DMatrix<f64> {
         self.columns.select_columns(&self.supported)

@@ -49,7 +49,7 @@ pub(super) struct Fitted {
     pub(super) widened_by: f64,
     /// Root mean square of s_F.
     pub(super) friction_change: f64,
-    /// The same of s_O.
+    /// Root mean square of s_O.
     pub(super) offset_change: f64,
 }
 

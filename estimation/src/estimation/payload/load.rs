@@ -5,6 +5,7 @@ use super::change::{Change, Fitted};
 use crate::base::{BaseReduction, Category};
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::{BaseEstimate, Estimate, rows_of};
+use crate::estimation::measured::Measured;
 use crate::estimation::termination::Termination;
 use crate::model::{JointKind, ParameterKind};
 use crate::statistics::student_quantile;
@@ -23,27 +24,16 @@ pub struct PayloadParameter {
     /// Its unit.
     pub unit: &'static str,
     /// Estimate with its standard deviation and 95 % interval; `None` where the motion does not show it alone, and for a mass below zero.
-    pub shown: Option<PayloadValue>,
+    pub shown: Option<Measured>,
     /// Its value in the body.
     pub consistent: f64,
-}
-
-/// A value that the motion shows.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct PayloadValue {
-    /// The estimate.
-    pub value: f64,
-    /// Standard deviation.
-    pub std: f64,
-    /// 95 % interval.
-    pub ci95: [f64; 2],
 }
 
 /// A mass below zero, as no load has.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct NegativeMass {
     /// The free estimate.
-    pub free: PayloadValue,
+    pub free: Measured,
     /// Why it is.
     pub cause: NegativeMassCause,
 }
@@ -75,7 +65,7 @@ pub struct Payload {
     pub negative_mass: Option<NegativeMass>,
     /// Standard deviation of the change of friction between the logs, as a part of it, as far as the logs show it.
     pub friction_change: f64,
-    /// The same of offsets, as a part of the RMS residual of their joints.
+    /// Standard deviation of the change of offsets between the logs, as a part of the RMS residual of their joints.
     pub offset_change: f64,
     /// Squared distance of the change from that of any load, in standard deviations.
     pub chi_squared: f64,
@@ -109,10 +99,10 @@ pub fn payload(base: &BaseReduction, without: &Estimate, with: &Estimate) -> Res
     let fitted = Change::between(base, without, with).fitted(base, &load)?;
     let combinations = estimate(with, &load, &fitted, freedom);
     let body = PayloadBody::of(&load, &fitted)?;
-    let shown = |column: usize| -> Option<PayloadValue> {
+    let shown = |column: usize| -> Option<Measured> {
         let row = load.kept.iter().position(|&kept| kept == column)?;
         let &BaseEstimate { value, std, ci95, .. } = &combinations.base[row];
-        (load.categories[column] == Category::Identifiable).then_some(PayloadValue { value, std, ci95 })
+        (load.categories[column] == Category::Identifiable).then_some(Measured { value, std, ci95 })
     };
     let below = shown(MASS).filter(|free| free.value < 0.0);
     let negative_mass = below.map(|free| NegativeMass { free, cause: NegativeMassCause::of(&free, fitted.widened_by) });
@@ -120,7 +110,7 @@ pub fn payload(base: &BaseReduction, without: &Estimate, with: &Estimate) -> Res
         name: kind.symbol().to_owned(),
         unit: kind.unit(JointKind::Revolute),
         shown: match column {
-            MASS => shown(MASS).filter(|_| below.is_none()).map(PayloadValue::not_negative),
+            MASS => shown(MASS).filter(|_| below.is_none()).map(not_negative),
             _ => shown(column),
         },
         consistent: body.inertia.to_array()[column],
@@ -146,15 +136,13 @@ impl Payload {
     }
 }
 
-impl PayloadValue {
-    /// The part of the interval that is not below zero.
-    fn not_negative(self) -> Self {
-        Self { ci95: self.ci95.map(|end| end.max(0.0)), ..self }
-    }
+/// Of the interval, the part that is not below zero.
+fn not_negative(value: Measured) -> Measured {
+    Measured { ci95: value.ci95.map(|end| end.max(0.0)), ..value }
 }
 
 impl NegativeMassCause {
-    fn of(free: &PayloadValue, widened_by: f64) -> Self {
+    fn of(free: &Measured, widened_by: f64) -> Self {
         match free.ci95[1] < 0.0 {
             _ if widened_by > TOO_WIDE => Self::ArmChanged,
             true => Self::Lighter,

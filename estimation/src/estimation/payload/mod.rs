@@ -28,4 +28,4 @@ mod load;
 mod tests;
 
 pub use body::PayloadBody;
-pub use load::{NegativeMass, NegativeMassCause, Payload, PayloadParameter, PayloadValue, payload};
+pub use load::{NegativeMass, NegativeMassCause, Payload, PayloadParameter, payload};

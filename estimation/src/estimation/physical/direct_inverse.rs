@@ -12,7 +12,7 @@
 //! Source: Q. Leboutet, J. Roux, A. Janot, J. R. Guadarrama-Olvera, G. Cheng, "Inertial parameter identification in robotics: a
 //! survey", Applied Sciences 11(9), 2021, for the estimators that combine the two.
 
-use super::fit::estimate_by_search;
+use super::fit;
 use super::solution::consistent;
 use crate::estimation::closed_loop::{TorqueSearch, TorqueSlope, torque_search};
 use crate::estimation::consistent_set::Prior;
@@ -30,5 +30,5 @@ pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Es
     let equations = Factorisation::new(&around)?;
     let linear = LinearFit::with_weights(&equations, weights)?;
     let problem = EstimationProblem { observation: &around, ..*problem }.with_factorisation(&equations);
-    estimate_by_search(name, &problem, &linear, rest.termination)
+    fit::estimate(name, &problem, &linear, Prior::None, Some(rest.termination))
 }

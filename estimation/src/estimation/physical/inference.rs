@@ -24,20 +24,12 @@ use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::{Estimate, StandardEstimate, rows_of};
 use crate::estimation::finding::Finding;
 use crate::estimation::problem::EstimationProblem;
-use crate::linalg::LeastSquares;
 use crate::model::ParameterKind;
 use crate::model::term::Sign;
 use crate::statistics::chi_squared_quantile;
 
 /// Chi squared below which nothing was held back.
 const NOTHING: f64 = 1e-9;
-
-/// The solution as a fit, with the A⁻¹ of the unconstrained one.
-pub(super) fn as_fit(plain: &LeastSquares, fit: &ConsistentFit) -> Result<LeastSquares, EstimationError> {
-    let b = fit.beta.len();
-    let factors = [plain.inverse_information(), DMatrix::identity(b, b)];
-    Ok(LeastSquares::from_factors(fit.beta.clone(), factors, plain.condition(), plain.condition_scaled())?)
-}
 
 /// The estimate: `plain` of the unconstrained solution, `held` with intervals around the consistent one.
 pub(super) fn restate(

@@ -11,7 +11,7 @@
 //! Source: Q. Leboutet, J. Roux, A. Janot, J. R. Guadarrama-Olvera, G. Cheng, "Inertial parameter identification in robotics: a
 //! survey", Applied Sciences 11(9), 2021, for the estimators that combine the two.
 
-use super::inference::{as_fit, restate};
+use super::inference::restate;
 use super::solution::consistent;
 use crate::estimation::closed_loop::InstrumentalFit;
 use crate::estimation::consistent_set::Prior;
@@ -23,14 +23,13 @@ use crate::linalg::LeastSquares;
 
 /// Instrumental variables with every link a possible body.
 pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-    let equations = problem.factorised()?;
-    let problem = problem.with_factorisation(&equations);
     // Weights are 1/σ²: the noise is their unit.
-    let nearest = |fit: &LeastSquares| consistent(&problem, fit, 1.0, Prior::None);
-    let found = InstrumentalFit::found(name, &problem, Some(&|fit| Ok(nearest(fit)?.beta)))?;
+    let nearest = |fit: &LeastSquares| consistent(problem, fit, 1.0, Prior::None);
+    let found = InstrumentalFit::found(name, problem, Some(&|fit| Ok(nearest(fit)?.beta)))?;
     let fit = nearest(&found.in_own_covariance()?)?;
     let termination = found.termination.with_last_step(fit.termination);
-    let plain = found.estimate(name, &problem, &found.fit, Termination::Direct)?;
-    let held = found.estimate(name, &problem, &as_fit(&found.fit, &fit)?, termination)?;
-    restate(&problem, &plain, held, &fit)
+    let plain = found.estimate(name, problem, &found.fit, Termination::Direct)?;
+    let held = found.fit.with_solution(fit.beta.clone(), found.fit.inverse_information())?;
+    let held = found.estimate(name, problem, &held, termination)?;
+    restate(problem, &plain, held, &fit)
 }

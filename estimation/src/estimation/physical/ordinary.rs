@@ -37,7 +37,5 @@ pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>, prior: Prior
     if prior != Prior::None {
         problem.nominal_for(name)?;
     }
-    let equations = problem.factorised()?;
-    let linear = LinearFit::ordinary(&equations)?;
-    fit::estimate(name, &problem.with_factorisation(&equations), &linear, prior)
+    fit::estimate(name, problem, &LinearFit::ordinary(&*problem.factorised()?)?, prior, None)
 }

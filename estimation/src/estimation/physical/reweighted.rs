@@ -31,14 +31,13 @@ const AT_REST: f64 = 1e-6;
 /// Huber's M-estimate with every link a possible body.
 pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
     let (observation, equations) = (problem.observation, problem.factorised()?);
-    let problem = problem.with_factorisation(&equations);
-    let mut robust = from_least_squares(&problem, equations.least_squares()?.solution(), Loss::Huber)?;
+    let mut robust = from_least_squares(problem, equations.least_squares()?.solution(), Loss::Huber)?;
     let mut iterations = 0;
     loop {
         iterations += 1;
         // Weights are 1/s² times at most one: the noise is their unit.
         let plain = weighted_rows(observation, &robust.weights(observation))?;
-        let fit = consistent(&problem, &plain, 1.0, Prior::None)?;
+        let fit = consistent(problem, &plain, 1.0, Prior::None)?;
         let before = robust.scaled_residual(observation);
         let next = RobustFit::at(observation, Loss::Huber, fit.beta.clone(), fit.termination);
         let moved = (next.scaled_residual(observation) - before).norm() / (observation.equations() as f64).sqrt();
@@ -53,9 +52,9 @@ pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Es
                 }
                 other => other,
             };
-            let held = robust_estimate(name, &problem, &robust)?;
+            let held = robust_estimate(name, problem, &robust)?;
             let own = RobustFit { beta: plain.solution().clone(), ..robust };
-            return restate(&problem, &robust_estimate(name, &problem, &own)?, held, &fit);
+            return restate(problem, &robust_estimate(name, problem, &own)?, held, &fit);
         }
     }
 }

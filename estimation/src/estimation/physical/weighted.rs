@@ -21,8 +21,5 @@ use crate::estimation::problem::EstimationProblem;
 
 /// Weighted least squares with every link a possible body.
 pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-    let equations = problem.factorised()?;
-    let problem = problem.with_factorisation(&equations);
-    let linear = LinearFit::weighted(&equations)?;
-    fit::estimate(name, &problem, &linear, Prior::None)
+    fit::estimate(name, problem, &LinearFit::weighted(&*problem.factorised()?)?, Prior::None, None)
 }

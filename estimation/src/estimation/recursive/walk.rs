@@ -32,9 +32,8 @@ const WALK: f64 = 1e-2;
 
 /// The estimate of a filter.
 pub(super) fn estimate<B: Belief>(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-    let (observation, equations) = (problem.observation, problem.factorised()?);
-    let problem = problem.with_factorisation(&equations);
-    let linear = LinearFit::weighted(&equations)?;
+    let observation = problem.observation;
+    let linear = LinearFit::weighted(&*problem.factorised()?)?;
     let UnitEquations { h, z, scale } = UnitEquations::of(observation, &linear)?;
     let b = h.ncols();
     let samples = observation.samples();
@@ -64,13 +63,8 @@ pub(super) fn estimate<B: Belief>(name: &str, problem: &EstimationProblem<'_>) -
     // The filter's own covariance stands for (WᵀΣ⁻¹W)⁻¹: β̂ = P Σ_k W_kᵀ Σ⁻¹ y_k but for what walked.
     let own = belief.covariance();
     let inverse = DMatrix::from_fn(b, b, |i, j| own[(i, j)] * scale[i] * scale[j]);
-    let fit = LeastSquares::from_factors(
-        belief.mean().component_mul(&scale),
-        [inverse, DMatrix::identity(b, b)],
-        linear.fit.condition(),
-        linear.fit.condition_scaled(),
-    )?;
-    let estimate = linear.estimate(name, &problem, &fit, termination)?;
+    let fit = linear.fit.with_solution(belief.mean().component_mul(&scale), inverse)?;
+    let estimate = linear.estimate(name, problem, &fit, termination)?;
     // What walked since a sample is not in the sandwich of its noise.
     let walked = step * samples as f64;
     let covariance = estimate.covariance_matrix() + DMatrix::from_diagonal(&scale.map(|s| s * s * walked));

@@ -111,10 +111,7 @@ impl ResidualTrends {
         samples: &Samples,
         estimate: &Estimate,
     ) -> Result<Self, EstimationError> {
-        let (found, expected) = (samples.blocks(), observation.samples());
-        if found != expected {
-            return Err(EstimationError::Count { quantity: "blocks of the samples", found, expected });
-        }
+        EstimationError::unless_equal("blocks of the samples", samples.blocks(), observation.samples())?;
         let n = observation.dof;
         let names = observation.base.names();
         if let Some(other) = estimate.base.iter().find(|parameter| !names.contains(&parameter.name)) {

@@ -28,7 +28,6 @@ use crate::estimation::instruments::Instruments;
 use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;
 use crate::estimation::residual::residual_noise;
-use crate::linalg::LeastSquares;
 
 /// Mean slope of the influence that a joint is taken to have at least; below it hardly an equation of the joint counts.
 const LEAST_SLOPE: f64 = 0.05;
@@ -57,12 +56,7 @@ pub(crate) fn estimate(
     let parts: Vec<f64> = observation.used.iter().enumerate().map(part).collect();
     let solved = weighted_rows(observation, &parts)?;
     let b = robust.beta.len();
-    let fit = LeastSquares::from_factors(
-        robust.beta.clone(),
-        [solved.inverse_information(), DMatrix::identity(b, b)],
-        solved.condition(),
-        solved.condition_scaled(),
-    )?;
+    let fit = solved.with_solution(robust.beta.clone(), solved.inverse_information())?;
     // B = w̃ m/s², and the noise meets w̃ once more: √(parts m/s²) w.
     let rows = DMatrix::from_fn(u.len(), b, |row, column| {
         let (s, slope) = (robust.scales[row % observation.dof], joints[row % observation.dof].slope);

@@ -25,12 +25,11 @@ use crate::estimation::termination::Termination;
 /// Tukey's M-estimate from the fit with the smallest M-scale.
 pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
     let (observation, equations) = (problem.observation, problem.factorised()?);
-    let problem = problem.with_factorisation(&equations);
-    let start = s_estimate::search(&problem, equations.least_squares()?.solution())?;
+    let start = s_estimate::search(problem, equations.least_squares()?.solution())?;
     let scales = m_scales(observation, &observation.residual(&start.beta));
-    let mut robust = iterate(&problem, start.beta, Loss::Tukey, Scales::Fixed(scales))?;
+    let mut robust = iterate(problem, start.beta, Loss::Tukey, Scales::Fixed(scales))?;
     robust.termination = both(start.termination, robust.termination);
-    inference::estimate(name, &problem, &robust)
+    inference::estimate(name, problem, &robust)
 }
 
 /// The end of two iterations, one after the other.
@@ -39,12 +38,7 @@ fn both(first: Termination, second: Termination) -> Termination {
         (Termination::Converged { iterations: before, .. }, Termination::Converged { iterations, last_step }) => {
             Termination::Converged { iterations: before + iterations, last_step }
         }
-        (first, second) => {
-            if first.was_successful() {
-                second
-            } else {
-                first
-            }
-        }
+        (first, second) if first.was_successful() => second,
+        (first, _) => first,
     }
 }

@@ -26,7 +26,6 @@ use crate::estimation::problem::EstimationProblem;
 /// Least squares in which far residuals count less, by one loss.
 pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>, loss: Loss) -> Result<Estimate, EstimationError> {
     let equations = problem.factorised()?;
-    let problem = problem.with_factorisation(&equations);
     let start = equations.least_squares()?.solution();
-    inference::estimate(name, &problem, &from_least_squares(&problem, start, loss)?)
+    inference::estimate(name, problem, &from_least_squares(problem, start, loss)?)
 }

@@ -14,7 +14,7 @@
 use nalgebra::DVector;
 
 use super::components::doubtful_halves;
-use super::iteration::weighted_rows;
+use super::iteration::{row_weights, weighted_rows};
 use super::loss::biweight;
 use super::scale::{S_CONSTANT, least_scales, m_scale, median_scales};
 use crate::estimation::error::EstimationError;
@@ -46,11 +46,7 @@ pub(super) struct Start {
 pub(super) fn search(problem: &EstimationProblem<'_>, ordinary: &DVector<f64>) -> Result<Start, EstimationError> {
     let observation = problem.observation;
     let scales = median_scales(observation, &observation.residual(ordinary));
-    let weight = |(row, &used): (usize, &bool)| {
-        let s = scales[row % observation.dof];
-        if used { 1.0 / (s * s) } else { 0.0 }
-    };
-    let all: Vec<f64> = observation.used.iter().enumerate().map(weight).collect();
+    let all = row_weights(observation, &observation.y, &scales, |_| 1.0);
     // Every so many samples, of all joints.
     let wanted = START_EQUATIONS.max(PER_PARAMETER * observation.regressor.ncols());
     let stride = (observation.equations() / wanted).max(1);

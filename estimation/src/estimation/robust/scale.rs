@@ -28,16 +28,7 @@ pub(super) fn least_scales(observation: &Observation) -> Vec<f64> {
     };
     let all: Vec<f64> = (0..n).map(rms).collect();
     let largest = all.iter().fold(0.0_f64, |a, &b| a.max(b));
-    let floor = |rms: f64| {
-        ROUNDING
-            * if rms > 0.0 {
-                rms
-            } else if largest > 0.0 {
-                largest
-            } else {
-                1.0
-            }
-    };
+    let floor = |rms: f64| ROUNDING * [rms, largest].into_iter().find(|size| *size > 0.0).unwrap_or(1.0);
     all.into_iter().map(floor).collect()
 }
 

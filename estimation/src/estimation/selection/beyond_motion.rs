@@ -89,20 +89,17 @@ impl Beside {
     /// These equations with the columns behind their own.
     pub(super) fn extended(&self, observation: &Observation, samples: &Samples) -> Observation {
         let mut own = observation.clone();
-        let mut columns = match &self.law {
+        let columns = match &self.law {
             Law::Warming(joints) => warming(joints, samples),
             Law::CurrentLag(lagged) => {
                 let rates = lagged.rates(samples);
-                lagged.add_change(&rates, &mut own.regressor, &mut own.y);
+                lagged.add_change(&rates, &mut own);
                 lagged.columns(&rates)
             }
         };
-        for (row, _) in observation.used.iter().enumerate().filter(|(_, used)| !**used) {
-            own.regressor.row_mut(row).fill(0.0);
-            own.y[row] = 0.0;
-            columns.row_mut(row).fill(0.0);
-        }
-        own.with_columns(&columns, &self.parameters, &self.units)
+        let mut extended = own.with_columns(&columns, &self.parameters, &self.units);
+        extended.blank();
+        extended
     }
 }
 

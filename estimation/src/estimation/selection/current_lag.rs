@@ -91,17 +91,12 @@ impl LaggedTorque {
 
     /// β and T of the equations made at the present ones.
     fn solution(&self, observation: &Observation, rates: &DMatrix<f64>) -> Result<DVector<f64>, EstimationError> {
-        let (rows, b) = observation.regressor.shape();
-        let mut regressor = DMatrix::zeros(rows, b + self.shares.len());
-        let mut y = observation.y.clone();
-        regressor.columns_mut(0, b).copy_from(&observation.regressor);
-        self.add_change(rates, &mut regressor, &mut y);
-        regressor.columns_mut(b, self.shares.len()).copy_from(&self.columns(rates));
-        for (row, _) in observation.used.iter().enumerate().filter(|(_, used)| !**used) {
-            regressor.row_mut(row).fill(0.0);
-            y[row] = 0.0;
-        }
-        let equations = Observation { regressor, y, ..observation.clone() };
+        let (b, n) = (observation.regressor.ncols(), self.shares.len());
+        let mut equations = observation.clone();
+        self.add_change(rates, &mut equations);
+        equations.regressor = equations.regressor.insert_columns(b, n, 0.0);
+        equations.regressor.columns_mut(b, n).copy_from(&self.columns(rates));
+        equations.blank();
         Ok(LinearFit::weighted(&Factorisation::new(&equations)?)?.fit.solution().clone())
     }
 
@@ -137,15 +132,15 @@ impl LaggedTorque {
         columns
     }
 
-    /// Adds `Σ_m T̂_m S_m Ẇ` to the first columns of a regressor, and `Σ_m T̂_m c_m` to a torque.
-    pub(super) fn add_change(&self, rates: &DMatrix<f64>, regressor: &mut DMatrix<f64>, y: &mut DVector<f64>) {
+    /// Adds `Σ_m T̂_m S_m Ẇ` to the regressor, and `Σ_m T̂_m c_m` to the torque.
+    pub(super) fn add_change(&self, rates: &DMatrix<f64>, to: &mut Observation) {
         let n = self.shares.len();
         let share = self.shares.iter().zip(&self.lags).fold(DMatrix::zeros(n, n), |sum, (s, lag)| sum + s * *lag);
         for first in (0..rates.nrows()).step_by(n) {
-            let mut part = regressor.view_mut((first, 0), (n, rates.ncols()));
+            let mut part = to.regressor.view_mut((first, 0), (n, rates.ncols()));
             part += &share * rates.rows(first, n);
         }
-        *y += self.columns(rates) * DVector::from_column_slice(&self.lags);
+        to.y += self.columns(rates) * DVector::from_column_slice(&self.lags);
     }
 }
 

@@ -139,12 +139,11 @@ impl Errors {
 
 impl Fold {
     fn of(fit: &LeastSquares, weights: &BlockWhitening, unseen: &Observation) -> Result<Self, EstimationError> {
-        let y = DMatrix::from_column_slice(unseen.y.len(), 1, unseen.y.as_slice());
         Ok(Self {
             beta: fit.solution().clone(),
             inverse: fit.inverse_information(),
             h: weights.clone().whiten(&unseen.regressor, &unseen.used)?,
-            z: weights.clone().whiten(&y, &unseen.used)?.column(0).into_owned(),
+            z: unseen.white(weights, &unseen.y)?,
             dof: unseen.dof,
             equations: unseen.equations(),
         })
@@ -160,21 +159,15 @@ impl Fold {
 fn folded(observation: &Observation, weights: &BlockWhitening, fold: usize) -> Option<Fold> {
     let (n, samples) = (observation.dof, observation.samples());
     let out = fold * samples / FOLDS * n..(fold + 1) * samples / FOLDS * n;
-    let (mut seen, mut unseen) = (observation.clone(), observation.clone());
-    for row in 0..n * samples {
-        let other = if out.contains(&row) { &mut seen } else { &mut unseen };
-        other.used[row] = false;
-        other.y[row] = 0.0;
-        other.regressor.row_mut(row).fill(0.0);
-    }
+    let seen = observation.without(|row| out.contains(&row));
     let fit = Factorisation::new(&seen).ok()?.weighted(weights).ok()?;
     // Only the fold itself.
     let rows = out.len();
     let unseen = Observation {
-        regressor: unseen.regressor.rows(out.start, rows).into_owned(),
-        y: unseen.y.rows(out.start, rows).into_owned(),
-        used: unseen.used[out].to_vec(),
-        ..unseen
+        regressor: observation.regressor.rows(out.start, rows).into_owned(),
+        y: observation.y.rows(out.start, rows).into_owned(),
+        used: observation.used[out].to_vec(),
+        ..observation.clone()
     };
     Fold::of(&fit, weights, &unseen).ok()
 }

@@ -1,7 +1,5 @@
 //! Backward elimination.
 
-use nalgebra::DMatrix;
-
 use super::beyond_motion::{Beside, BeyondMotion};
 use super::evidence::{Selection, TermEvidence, Verdict};
 use super::step::Step;
@@ -44,16 +42,8 @@ pub fn select(
         return Ok(plain);
     }
     // A term that stood for part of the lag is not to stay in the set, nor to take its part from it.
-    match search(true).selection(columns, &words) {
-        Ok(lagged) if shows(&lagged, &[Verdict::Supported]) => Ok(lagged),
-        Ok(_)
-        | Err(
-            EstimationError::NotExcited { .. }
-            | EstimationError::OutsideOfEquations { .. }
-            | EstimationError::TooFewEquations { .. },
-        ) => Ok(plain),
-        Err(error) => Err(error),
-    }
+    let lagged = if_distinguished(search(true).selection(columns, &words))?;
+    Ok(lagged.filter(|lagged| shows(lagged, &[Verdict::Supported])).unwrap_or(plain))
 }
 
 /// What all steps share.
@@ -181,8 +171,7 @@ impl<F: Fn(Columns) -> Result<Identification, EstimationError>> Search<'_, F> {
         let fitted = self.equations(&identification).and_then(|(observation, _)| {
             let fit = Factorisation::new(&observation)?.weighted(weights)?;
             let residual = observation.residual(fit.solution());
-            let column = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
-            Ok((weights.clone().whiten(&column, &observation.used)?.norm_squared(), fit.solution().len()))
+            Ok((observation.white(weights, &residual)?.norm_squared(), fit.solution().len()))
         });
         let of = |(sum, b): (f64, usize)| by.effective * libm::log(sum) + b as f64 * libm::log(by.effective);
         Ok(if_distinguished(fitted)?.map(of))

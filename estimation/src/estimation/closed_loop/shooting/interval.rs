@@ -50,7 +50,7 @@ pub(super) struct Weights {
     pub(super) outputs: DVector<f64>,
     /// Of each number of a gap between two intervals.
     pub(super) gap: DVector<f64>,
-    /// The same for the lengths that steps are damped by: not so heavy that damping holds what the gaps leave free.
+    /// Of each number of a gap in the lengths that steps are damped by: not so heavy that damping holds what the gaps leave free.
     pub(super) light_gap: DVector<f64>,
 }
 

@@ -150,7 +150,7 @@ fn spread(point: &Point, group: usize) -> DVector<f64> {
     at_least_a_share(&square.map(f64::sqrt), group)
 }
 
-/// The same numbers, none below a share of the largest of its group.
+/// These numbers, none below a share of the largest of its group.
 fn at_least_a_share(sizes: &DVector<f64>, group: usize) -> DVector<f64> {
     let largest = |i: usize| {
         let first = i - i % group;

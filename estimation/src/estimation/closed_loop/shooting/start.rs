@@ -30,11 +30,11 @@ pub(in crate::estimation::closed_loop) fn shoot(
     output: Output,
 ) -> Result<Option<(DVector<f64>, Finding)>, EstimationError> {
     let Some(loop_of) = trial.in_intervals() else { return Ok(None) };
-    let n = trial.observation().dof;
-    let blocks = trial.observation().y.len() / n;
+    let n = trial.observation.dof;
+    let blocks = trial.observation.y.len() / n;
     let measured = match output {
         Output::Positions => trial.positions(),
-        Output::Torque => trial.observation().y.clone(),
+        Output::Torque => trial.observation.y.clone(),
     };
     let outputs = DVector::from_fn(n, |i, _| spread(measured.iter().skip(i).step_by(n)));
     let mut apart_before = usize::MAX;
@@ -45,7 +45,7 @@ pub(in crate::estimation::closed_loop) fn shoot(
         }
         apart_before = apart;
         let nodes = trial.nodes(loop_of, from, apart);
-        let used = &trial.observation().used;
+        let used = &trial.observation.used;
         let linearise = |point: &Point| {
             let nodes: Vec<ClosedLoopNode> = nodes
                 .iter()

@@ -20,7 +20,7 @@ impl Measured {
         Self { value, std, ci95: [value - half, value + half] }
     }
 
-    /// The same number in another unit, `factor` times as large.
+    /// This number in another unit, `factor` times as large.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
         let [low, high] = self.ci95.map(|end| factor * end);
