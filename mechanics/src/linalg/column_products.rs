@@ -293,8 +293,10 @@ mod tests {
     #[test]
     fn identity_the_width_of_the_processor_changes_no_bit_of_columns_that_begin_and_end_apart() {
         let line = |k: usize| Line(std::array::from_fn(|lane| libm::sin((k * k + lane) as f64)));
-        let held: Vec<Line> = (0..38 * 32).map(line).collect();
         let runs: Vec<Run> = (0..38).map(|place| Run { place, lines: place % 3..(place % 4 + 1) * 8 }).collect();
+        // A run is all that is not zero: how many columns make a tile is for the processor to say.
+        let own = |k: usize| if runs[k / 32].lines.contains(&(k % 32)) { line(k) } else { Line::ZERO };
+        let held: Vec<Line> = (0..38 * 32).map(own).collect();
         let [mut wide, mut narrow] = [0, 1].map(|_| vec![Line::ZERO; 38 * 38]);
         Arch::new().dispatch(Products { runs: &runs, held: &held, stride: 32, width: 38, sums: &mut wide });
         Arch::Scalar.dispatch(Products { runs: &runs, held: &held, stride: 32, width: 38, sums: &mut narrow });
