@@ -75,7 +75,7 @@ fn every_line_of_ones_own_robot_in_ten_minutes_is_executed() {
         assert!(of_each.len() == 6 && of_each.iter().all(|x| (1e-9..1e-2).contains(x)), "{key}: {of_each:?}");
     }
     let text = stdout(&run(&export.replace("again", "once-more"), folder.path()).success());
-    assert!(text.contains("up to 3.7e-6 rad off right ones (joint_2,") && text.contains("difference RMS"), "{text}");
+    assert!(text.contains("up to 3.7e-6 rad off right ones (joint_2,") && text.contains("of a joint's torque"), "{text}");
 }
 
 #[test]
@@ -84,7 +84,7 @@ fn a_folder_to_begin_with_runs_as_its_own_readme_says() {
     let urdf = write(folder.path(), "arm.urdf", &own_robot::urdf());
     let lab = folder.path().join("lab");
     let made = json(&armid(["init", &urdf, "-o", lab.to_str().unwrap(), "--json"]).success());
-    assert_eq!(made["files"].as_array().unwrap().len(), 5);
+    assert_eq!(made["files"].as_array().unwrap().len(), 6);
     let readme = std::fs::read_to_string(lab.join("README.md")).unwrap();
     for heading in ["The next three commands", "Afterwards:"] {
         for line in shell_lines(&readme, heading) {

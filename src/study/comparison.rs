@@ -140,7 +140,7 @@ impl Evidence<'_> {
         found: &MeanDifference,
     ) -> Comparison {
         Comparison {
-            interval: Some(found.interval.exp()),
+            interval: Some(found.interval.exponentiated()),
             unit: Some(unit),
             degrees_of_freedom: Some(found.degrees_of_freedom),
             p: Some(found.p),

@@ -199,7 +199,7 @@ impl StudySetup {
         let pooled: Vec<f64> = pairs.values().flatten().copied().collect();
         let units = if means.len() > 1 { &means } else { &pooled };
         let ratio = (!pooled.is_empty()).then(|| libm::exp(mean(&pooled)));
-        let interval = t_interval(units, 0.95).map(Interval::exp);
+        let interval = t_interval(units, 0.95).map(Interval::exponentiated);
         let kind_ratios = names.iter().map(|name| {
             let squares: Vec<f64> = kinds
                 .iter()

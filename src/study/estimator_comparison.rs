@@ -103,7 +103,7 @@ impl Evidence<'_> {
             runs,
             failures,
             ratio: libm::exp(mean(&units)),
-            interval: t_interval(&units, LEVEL).map(Interval::exp),
+            interval: t_interval(&units, LEVEL).map(Interval::exponentiated),
         }))
     }
 }

@@ -149,7 +149,7 @@ impl StoppingRule {
             pairs: logs.len(),
             bound,
             ratio: libm::exp(mean(logs)),
-            interval: interval.map(Interval::exp),
+            interval: interval.map(Interval::exponentiated),
             share: interval.map(|i| libm::expm1(0.5 * (i.high - i.low))),
         }
     }

@@ -71,8 +71,8 @@ impl Evidence<'_> {
             second: self.families[pair[1]].clone(),
             truths: logs.len(),
             ratio: libm::exp(mean(&logs)),
-            interval: t_interval(&logs, LEVEL).map(Interval::exp),
-            range: Interval { low: least, high: most }.exp(),
+            interval: t_interval(&logs, LEVEL).map(Interval::exponentiated),
+            range: Interval { low: least, high: most }.exponentiated(),
             first_better,
             share_interval: wilson_interval(first_better, logs.len(), LEVEL),
         })

@@ -20,7 +20,7 @@ impl Interval {
 
     /// The interval of the value whose logarithm has this one.
     #[must_use]
-    pub fn exp(self) -> Self {
+    pub fn exponentiated(self) -> Self {
         Self { low: libm::exp(self.low), high: libm::exp(self.high) }
     }
 }

@@ -193,7 +193,7 @@ impl ClaimEvaluation<'_> {
         };
         let ratios: Vec<f64> =
             (0..RUNS).filter_map(|run| Some(libm::log(rmse(&Sensing::default(), run)? / rmse(&exact, run)?))).collect();
-        let interval = t_interval(&ratios, 0.95).map(Interval::exp);
+        let interval = t_interval(&ratios, 0.95).map(Interval::exponentiated);
         let verdict = match interval {
             Some(i) if i.high < 1.1 => Verdict::Holds,
             Some(i) if i.low > 1.1 => Verdict::DoesNotHold,

@@ -152,8 +152,7 @@ fn candidates(folder: &Path, result: &StudyResult, settings: &AdviceSettings) ->
     let best = all.first().map(|(_, arms)| arms.clone()).unwrap_or_default();
     for (candidate, arms) in all.iter_mut().skip(1) {
         let logs: Vec<f64> = arms.iter().filter_map(|(arm, log)| Some(log - best.get(arm)?)).collect();
-        let interval = t_interval(&logs, 0.95);
-        candidate.over_best = interval.map(|of| Interval { low: of.low.exp(), high: of.high.exp() });
+        candidate.over_best = t_interval(&logs, 0.95).map(Interval::exponentiated);
     }
     Ok(all.into_iter().map(|(candidate, _)| candidate).collect())
 }
@@ -162,7 +161,7 @@ fn candidates(folder: &Path, result: &StudyResult, settings: &AdviceSettings) ->
 fn by_arm<'a>(runs: impl Iterator<Item = &'a RunValue>) -> BTreeMap<usize, f64> {
     let mut logs: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for (run, value) in runs.filter_map(|run| Some((run.run, run.value?))) {
-        logs.entry(run).or_default().push(value.ln());
+        logs.entry(run).or_default().push(libm::log(value));
     }
     logs.into_iter().map(|(run, logs)| (run, mean(&logs))).collect()
 }
