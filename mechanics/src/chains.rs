@@ -87,22 +87,14 @@ impl ChainRecipe {
         let (offset_deg, alpha_deg) = (angle(), angle());
         let mut length = || if rng.random_range(0.0..1.0) < 0.4 { 0.0 } else { rng.random_range(-0.5..0.5) };
         let row = DhRow { offset_deg, d: length(), a: length(), alpha_deg };
-        let (before, after) = row.placements(convention);
-        Joint {
-            name: format!("joint{}", index + 1),
-            kind,
-            before,
-            after,
-            dh: Some((convention, row)),
-            limits: Limits {
-                position: (-2.5, 2.5),
-                velocity: rng.random_range(1.0..3.0),
-                acceleration: rng.random_range(5.0..20.0),
-                torque: f64::INFINITY,
-                ..Limits::NONE
-            },
-            drive: Drive { coulomb_velocity: rng.random_range(0.02..0.2), ..Drive::ideal() },
-        }
+        let limits = Limits {
+            position: (-2.5, 2.5),
+            velocity: rng.random_range(1.0..3.0),
+            acceleration: rng.random_range(5.0..20.0),
+            ..Limits::NONE
+        };
+        let drive = Drive { coulomb_velocity: rng.random_range(0.02..0.2), ..Drive::ideal() };
+        Joint::from_dh(format!("joint{}", index + 1), kind, (convention, row), limits, drive)
     }
 }
 
@@ -164,17 +156,10 @@ fn random_drive(rng: &mut impl Rng, coupled: bool) -> DriveParameters {
 /// Never: the robot is valid by construction.
 pub fn planar_2r() -> Robot {
     let joint = |name: &str, a: f64| {
-        let row = DhRow { offset_deg: 0.0, d: 0.0, a, alpha_deg: 0.0 };
-        let (before, after) = row.placements(DhConvention::Standard);
-        Joint {
-            name: name.to_owned(),
-            kind: JointKind::Revolute,
-            before,
-            after,
-            dh: Some((DhConvention::Standard, row)),
-            limits: Limits { position: (-3.0, 3.0), velocity: 3.0, acceleration: 20.0, torque: 50.0, ..Limits::NONE },
-            drive: Drive { coulomb_velocity: 0.05, ..Drive::ideal() },
-        }
+        let dh = (DhConvention::Standard, DhRow { offset_deg: 0.0, d: 0.0, a, alpha_deg: 0.0 });
+        let limits = Limits { position: (-3.0, 3.0), velocity: 3.0, acceleration: 20.0, torque: 50.0, ..Limits::NONE };
+        let drive = Drive { coulomb_velocity: 0.05, ..Drive::ideal() };
+        Joint::from_dh(name.to_owned(), JointKind::Revolute, dh, limits, drive)
     };
     Robot::new(RobotSpec {
         name: "planar-2r".to_owned(),

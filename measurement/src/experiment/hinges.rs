@@ -27,17 +27,9 @@ fn drive() -> Drive {
 
 fn robot(dof: usize, coupling: Option<DMatrix<f64>>) -> Robot {
     let joints = (0..dof).map(|i| {
-        let row = DhRow { offset_deg: 0.0, d: 0.0, a: 0.0, alpha_deg: 0.0 };
-        let (before, after) = row.placements(DhConvention::Standard);
-        Joint {
-            name: format!("hinge{}", i + 1),
-            kind: JointKind::Revolute,
-            before,
-            after,
-            dh: Some((DhConvention::Standard, row)),
-            limits: Limits { position: (-3.0, 3.0), velocity: 3.0, acceleration: 12.0, torque: 75.0, ..Limits::NONE },
-            drive: drive(),
-        }
+        let dh = (DhConvention::Standard, DhRow { offset_deg: 0.0, d: 0.0, a: 0.0, alpha_deg: 0.0 });
+        let limits = Limits { position: (-3.0, 3.0), velocity: 3.0, acceleration: 12.0, torque: 75.0, ..Limits::NONE };
+        Joint::from_dh(format!("hinge{}", i + 1), JointKind::Revolute, dh, limits, drive())
     });
     Robot::new(RobotSpec { name: "hinges".to_owned(), joints: joints.collect(), coupling, ..RobotSpec::default() })
         .expect("distinct joints with positive limits")

@@ -131,6 +131,12 @@ pub struct Joint {
 }
 
 impl Joint {
+    /// The joint of a row of Denavit–Hartenberg parameters.
+    pub fn from_dh(name: String, kind: JointKind, dh: (DhConvention, DhRow), limits: Limits, drive: Drive) -> Self {
+        let (before, after) = dh.1.placements(dh.0);
+        Self { name, kind, before, after, dh: Some(dh), limits, drive }
+    }
+
     /// The pose of this link's frame in the previous one at coordinate `q` (rad or m).
     #[inline]
     pub fn placement(&self, q: f64) -> Placement {

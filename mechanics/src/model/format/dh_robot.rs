@@ -127,14 +127,7 @@ fn read_joint(
         a: check.finite("a_m", &dh.a_m)?,
         alpha_deg: check.finite("alpha_deg", &dh.alpha_deg)?,
     };
-    let (before, after) = row.placements(convention);
-    Ok(Joint {
-        name: name.to_owned(),
-        kind,
-        before,
-        after,
-        dh: Some((convention, row)),
-        limits: tables.limits(&table.limits, Limits::NONE)?,
-        drive: table.drive.as_ref().map_or(Ok(Drive::ideal()), |drive| tables.drive(drive))?,
-    })
+    let limits = tables.limits(&table.limits, Limits::NONE)?;
+    let drive = table.drive.as_ref().map_or(Ok(Drive::ideal()), |drive| tables.drive(drive))?;
+    Ok(Joint::from_dh(name.to_owned(), kind, (convention, row), limits, drive))
 }
