@@ -3,8 +3,8 @@
 #![forbid(unsafe_code)]
 
 pub use armid_excitation::excitation;
-use armid_mechanics::plain;
 pub use armid_mechanics::{chains, dynamics, input, linalg, model, observer, provenance, seed, spatial, trajectory};
+use armid_mechanics::{lanes, plain};
 
 pub mod experiment;
 pub mod signal;

@@ -134,15 +134,11 @@ pub fn random_inertia(rng: &mut impl Rng) -> Inertia {
     let mut point = |scale: f64| Vector3::from_fn(|_, _| rng.random_range(-scale..scale));
     let centre = point(0.2);
     let points: Vec<Vector3<f64>> = (0..8).map(|_| centre + point(0.15)).collect();
-    let mut sum = [0.0; 10];
+    let mut whole = Inertia::zero();
     for x in points {
-        let mass = rng.random_range(0.1..1.0);
-        let ten = Inertia::from_com(mass, x, nalgebra::Matrix3::zeros()).to_array();
-        for (s, t) in sum.iter_mut().zip(ten) {
-            *s += t;
-        }
+        whole += Inertia::from_com(rng.random_range(0.1..1.0), x, nalgebra::Matrix3::zeros());
     }
-    Inertia::from_array(&sum)
+    whole
 }
 
 fn random_drive(rng: &mut impl Rng, coupled: bool) -> DriveParameters {

@@ -98,7 +98,7 @@ pub(crate) fn gram(
         let all: Vec<usize> = (0..p).collect();
         let gram = regressor.gram(samples, &all, tau, &weights);
         information.copy_from_slice(gram.information().as_slice());
-        moment.copy_from_slice(gram.moment().as_slice());
+        moment.copy_from_slice(gram.moment.as_slice());
     });
     Ok(())
 }

@@ -235,7 +235,7 @@ impl Arm {
         let state = [q, qd, qdd];
         let g: Vec<f64> = (0..n * regressor.cols()).map(|_| rng.random_range(-1.0..1.0)).collect();
         let [mut dq, mut dqd, mut dqdd] = std::array::from_fn(|_| vec![0.0; n]);
-        regressor.adjoint(&state[0], &state[1], &state[2], &g, &mut dq, &mut dqd, &mut dqdd);
+        regressor.adjoint([&state[0], &state[1], &state[2]], &g, [&mut dq, &mut dqd, &mut dqdd]);
         let mut y = vec![0.0; g.len()];
         for (part, found) in [&dq, &dqd, &dqdd].into_iter().enumerate() {
             for j in 0..n {

@@ -19,7 +19,9 @@ fn ending(design: &Design, robot: &Robot) -> String {
             let (found, required, t) = (number(worst.value), number(worst.limit), worst.t);
             format!("infeasible: {joint} {found} m apart at t = {t:.3} s, expected {required} m")
         }
-        Termination::Infeasible { limit, worst, .. } => format!("infeasible: {limit} {}", used(worst, *limit, robot)),
+        Termination::Infeasible { limit, worst, .. } => {
+            format!("infeasible: {} {}", limit.name(), used(worst, *limit, robot))
+        }
         other => other.name().to_owned(),
     }
 }

@@ -131,13 +131,10 @@ impl EvaluationMotions {
                 let d = weighted(torques.evaluate(&states));
                 let squares = DVector::from_fn(d.ncols(), |e, _| d.column(e).norm_squared());
                 let moments = w.tr_mul(&d);
-                match &mut carried {
-                    Some(all) => {
-                        all.moments += moments;
-                        all.squares += squares;
-                    }
-                    None => carried = Some(Carried { moments, squares }),
-                }
+                carried = Some(match carried {
+                    Some(all) => Carried { moments: all.moments + moments, squares: all.squares + squares },
+                    None => Carried { moments, squares },
+                });
             }
         }
         let per_row = 1.0 / count as f64;

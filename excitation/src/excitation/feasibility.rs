@@ -104,7 +104,7 @@ impl Feasibility {
         }
         if let Some(clearance) = problem.limits().clearance_m {
             let scene = Scene::new(&robot);
-            if !scene.pairs().is_empty() {
+            if !scene.pairs.is_empty() {
                 smooth.limits.push(Box::new(ClearanceLimits::new(scene, &basis, samples, clearance)));
             }
         }

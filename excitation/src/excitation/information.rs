@@ -166,16 +166,7 @@ impl Information {
                     g[i * p + self.kept[c]] = value;
                 }
             }
-            let range = k * n..(k + 1) * n;
-            self.regressor.adjoint(
-                states.q(k),
-                states.qd(k),
-                states.qdd(k),
-                &g,
-                &mut sensitivity.q[range.clone()],
-                &mut sensitivity.qd[range.clone()],
-                &mut sensitivity.qdd[range],
-            );
+            self.regressor.adjoint(states.at(k), &g, sensitivity.at_mut(k));
         }
     }
 }

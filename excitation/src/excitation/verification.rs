@@ -48,8 +48,8 @@ pub enum VerificationError {
     OtherParameters { certified: String, found: String },
     /// The certificate states another use of a limit than is found with the limits and parameters at hand.
     #[error(
-        "the certificate states {stated:.6} as the use of the {limit} limit, expected {found:.6} by the nominal parameters \
-         at hand"
+        "the certificate states {stated:.6} as the use of the {} limit, expected {found:.6} by the nominal parameters \
+         at hand", limit.name()
     )]
     Stale { limit: LimitKind, stated: f64, found: f64 },
     /// The motion is not performed as it was certified, and the torques that it asks for are unknown.
@@ -60,7 +60,7 @@ pub enum VerificationError {
     EffortsUnknown { ramp_s: Option<f64>, period_s: f64, certified_ramp_s: Option<f64> },
     /// A limit is exceeded.
     #[error(
-        "joint \"{joint}\": {limit} {found:.4} {unit} exceeds its limit {permitted:.4} {unit}{}",
+        "joint \"{joint}\": {} {found:.4} {unit} exceeds its limit {permitted:.4} {unit}{}", limit.name(),
         if limit.has_time() { format!(" at t = {t:.3} s") } else { String::new() }
     )]
     Limit { joint: String, limit: LimitKind, found: f64, permitted: f64, unit: &'static str, t: f64 },

@@ -11,6 +11,7 @@ use armid::experiment::{
     TripReport, record,
 };
 use armid::model::Robot;
+use armid::observer::Unobserved;
 use armid::seed::Seed;
 use armid::trajectory::{FourierJoint, FourierTrajectory};
 
@@ -195,7 +196,7 @@ fn a_goal_that_is_taken_after_the_cancel_moves_nothing_once_rest_is_confirmed() 
         let _controller = Robotics::start(&settings, Some(fault));
         let robot = planar_2r();
         let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
-        let mut sink = Until { recorder: Recorder::default(), until: 0.3, flow: Flow::Stop };
+        let mut sink = Until { recorder: Recorder::watched_by(&Unobserved), until: 0.3, flow: Flow::Stop };
         let ending = arm.perform(&plan(&robot), &mut sink).unwrap();
         assert!(matches!(ending, Ending::Stopped { rest: Rest::Confirmed { .. }, .. }), "{fault}: {ending:?}");
         let first = arm.reading().unwrap().row.q;
@@ -306,7 +307,7 @@ fn a_stop_brings_the_arm_to_rest_where_it_stays() {
         let _controller = Robotics::start(&settings, None);
         let robot = planar_2r();
         let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
-        let mut sink = Until { recorder: Recorder::default(), until: 1.0, flow: Flow::Stop };
+        let mut sink = Until { recorder: Recorder::watched_by(&Unobserved), until: 1.0, flow: Flow::Stop };
         let ending = arm.perform(&plan(&robot), &mut sink).unwrap();
         assert!(matches!(ending, Ending::Stopped { t, .. } if (t - 1.0).abs() < 1e-9), "{ending:?}");
         assert!(matches!(ending, Ending::Stopped { rest: Rest::Confirmed { .. }, .. }), "{ending:?}");

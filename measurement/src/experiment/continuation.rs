@@ -165,6 +165,7 @@ mod tests {
     use super::*;
     use crate::experiment::hinges::{self, FlyWheels};
     use crate::experiment::{Recorder, Servo, record};
+    use crate::observer::Unobserved;
     use crate::seed::Seed;
 
     fn plan(periods: usize) -> ExperimentPlan {
@@ -188,7 +189,7 @@ mod tests {
         let (second, _) = record(&mut servo(1), &plan(2)).unwrap();
         let continuation = Continuation::new(&plan(4), cut(&first, first.period(2).start + 17)).unwrap();
         assert_eq!((continuation.periods(), continuation.rest().unwrap().periods), (2, 2));
-        let mut recorder = Recorder::default();
+        let mut recorder = Recorder::watched_by(&Unobserved);
         assert!(continuation.perform(&mut servo(1), &mut recorder).unwrap().is_complete());
         let joined = recorder.into_recording().unwrap();
         assert_eq!((joined.len(), joined.periods()), (first.len(), 4));
@@ -205,13 +206,13 @@ mod tests {
         let (first, _) = record(&mut servo(0), &plan(2)).unwrap();
         let early = Continuation::new(&plan(2), cut(&first, first.period(0).end - 1)).unwrap();
         assert_eq!((early.periods(), early.samples()), (0, 0));
-        let mut recorder = Recorder::default();
+        let mut recorder = Recorder::watched_by(&Unobserved);
         early.perform(&mut servo(0), &mut recorder).unwrap();
         assert_eq!(recorder.into_recording().unwrap(), first);
 
         let late = Continuation::new(&plan(2), cut(&first, first.len() - 3)).unwrap();
         assert!(late.rest().is_none());
-        let mut recorder = Recorder::default();
+        let mut recorder = Recorder::watched_by(&Unobserved);
         late.perform(&mut servo(0), &mut recorder).unwrap();
         let kept = recorder.into_recording().unwrap();
         assert_eq!((kept.periods(), kept.len()), (2, first.period(1).end));

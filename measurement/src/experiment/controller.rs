@@ -142,7 +142,7 @@ mod tests {
     use super::*;
 
     fn pid(limit: f64) -> JointPid {
-        JointPid::new(&ServoTuning::default(), &load(2.0, 0.0, 0.0), &[15.0], &[limit])
+        JointPid::new(&ServoTuning::ASSUMED, &load(2.0, 0.0, 0.0), &[15.0], &[limit])
     }
 
     fn load(inertia: f64, viscous: f64, coulomb_per_speed: f64) -> MotorLoad {
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn analytic_gains_with_friction_are_those_of_the_documented_formula() {
-        let tuning = |friction| ServoTuning { friction, ..ServoTuning::default() };
+        let tuning = |friction| ServoTuning { friction, ..ServoTuning::ASSUMED };
         let omega = std::f64::consts::TAU * 8.0;
         let of = |friction, load: &MotorLoad| {
             let pid = JointPid::new(&tuning(friction), load, &[15.0], &[1e9]);

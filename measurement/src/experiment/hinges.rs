@@ -5,7 +5,6 @@ use nalgebra::DMatrix;
 
 use super::plant::{Plant, PlantError};
 use crate::model::{DhConvention, DhRow, Drive, Joint, JointKind, Limits, Robot, RobotSpec, StandardParameters};
-use crate::spatial::Inertia;
 use crate::trajectory::{FourierJoint, FourierTrajectory};
 
 /// Inertia of every hinge, kg·m².
@@ -16,16 +15,13 @@ fn drive() -> Drive {
         gear: 100.0,
         torque_constant: 0.15,
         current_limit: 5.0,
-        continuous_current: f64::INFINITY,
         counts_per_revolution: 400_000.0,
         encoder_sign: -1.0,
         current_noise: 0.02,
         adc_range: 10.0,
         adc_bits: 12,
         coulomb_velocity: 0.01,
-        circuit: None,
-        shapes: Default::default(),
-        voltage_noise: 0.0,
+        ..Drive::ideal()
     }
 }
 
@@ -60,10 +56,7 @@ pub fn coupled() -> Robot {
 /// Rotors alone: [`FlyWheels`] is the plant with these parameters.
 pub fn parameters(dof: usize) -> StandardParameters {
     let mut set = StandardParameters::zero(dof);
-    for (link, drive) in set.links.iter_mut().zip(&mut set.drives) {
-        *link = Inertia::zero();
-        drive[ROTOR] = INERTIA;
-    }
+    set.drives.iter_mut().for_each(|drive| drive[ROTOR] = INERTIA);
     set
 }
 

@@ -160,7 +160,7 @@ impl JointLoop {
 
     /// Steps of the plant in a servo step, of equal length: one, unless effects of the drives need more.
     pub(super) fn parts(&self) -> usize {
-        self.drives.as_ref().map_or(1, |drives| drives.parts())
+        self.drives.as_ref().map_or(1, |drives| drives.parts)
     }
 
     /// Decides [`JointLoop::tau`] for the next of [`JointLoop::parts`] steps of the plant, which is at `q`, `qd`. Without

@@ -13,12 +13,6 @@ pub struct Recorder<'a> {
     observer: &'a dyn Observer,
 }
 
-impl Default for Recorder<'_> {
-    fn default() -> Self {
-        Self::watched_by(&Unobserved)
-    }
-}
-
 impl<'a> Recorder<'a> {
     /// Reports every sample to this observer.
     pub const fn watched_by(observer: &'a dyn Observer) -> Self {

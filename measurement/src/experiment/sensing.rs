@@ -12,6 +12,7 @@
 use rand_distr::{Distribution, StandardNormal};
 
 use super::effects::{ActualSensors, Eccentricity, Memory, Spikes};
+use crate::lanes::Lane;
 use crate::model::Robot;
 use crate::seed::{RunNoise, Stream};
 
@@ -184,7 +185,7 @@ impl Sensors {
                 q += encoder.noise * normal(&mut self.position_stream, self.sign);
             }
             measured[i] =
-                if encoder.counts == 0.0 { q } else { nearest(q * encoder.counts + encoder.grid) * encoder.step };
+                if encoder.counts == 0.0 { q } else { (q * encoder.counts + encoder.grid).nearest() * encoder.step };
         }
     }
 
@@ -197,7 +198,7 @@ impl Sensors {
     pub(super) fn links(&self, q: &[f64], measured: &mut [f64]) {
         let Some((step, grids)) = &self.links else { return };
         for ((measured, q), grid) in measured.iter_mut().zip(q).zip(grids) {
-            *measured = if *step > 0.0 { nearest(q / step + grid) * step } else { *q };
+            *measured = if *step > 0.0 { (q / step + grid).nearest() * step } else { *q };
         }
     }
 
@@ -221,7 +222,7 @@ impl Sensors {
             measured[i] = if meter.lsb == 0.0 {
                 current
             } else {
-                nearest(current * meter.per_lsb).clamp(-meter.codes, meter.codes - 1.0) * meter.lsb
+                (current * meter.per_lsb).nearest().clamp(-meter.codes, meter.codes - 1.0) * meter.lsb
             };
         }
     }
@@ -239,12 +240,6 @@ impl Sensors {
             }
         }
     }
-}
-
-/// The nearest whole number, of sizes below 2⁵¹; halves go to the even one. Adding 1.5 · 2⁵² leaves no bits for less.
-fn nearest(x: f64) -> f64 {
-    const ROUND: f64 = 6_755_399_441_055_744.0;
-    (x + ROUND) - ROUND
 }
 
 fn normal(stream: &mut Stream, sign: f64) -> f64 {

@@ -347,7 +347,7 @@ mod tests {
     fn rates_that_do_not_divide_are_refused_and_faster_servos_sample_every_so_often() {
         let robot = hinges::single();
         let tuned = |rate_hz| {
-            let tuning = ServoTuning { rate_hz, ..ServoTuning::default() };
+            let tuning = ServoTuning { rate_hz, ..ServoTuning::ASSUMED };
             servo(&robot.clone().changed(|spec| spec.servo = Some(tuning)).unwrap())
         };
         let slow = tuned(1500.0);

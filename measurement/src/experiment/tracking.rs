@@ -25,8 +25,7 @@ impl Tracking {
             rms_error: zero.clone(),
             peak_effort: zero.clone(),
             peak_current: zero,
-            saturated_steps: 0,
-            steps: 0,
+            ..Self::default()
         }
     }
 

@@ -110,31 +110,19 @@ impl FourierTransform {
             }
         }
         match p {
-            2 => self.combine::<2>(stride, m, out),
-            3 => self.combine::<3>(stride, m, out),
+            2 => self.combine(stride, m, out, &mut [Complex::ZERO; 2]),
+            3 => self.combine(stride, m, out, &mut [Complex::ZERO; 3]),
             4 => self.combine_four(stride, m, out),
-            5 => self.combine::<5>(stride, m, out),
-            _ => self.combine_any(stride, m, out, &mut scratch[..p]),
+            5 => self.combine(stride, m, out, &mut [Complex::ZERO; 5]),
+            _ => self.combine(stride, m, out, &mut scratch[..p]),
         }
     }
 
     // exp(−2πi j / n) is the root number j · stride, since n · stride is the whole length.
 
-    /// P transforms of m values each to the one of P·m.
-    #[inline]
-    fn combine<const P: usize>(&self, stride: usize, m: usize, out: &mut [Complex<f64>]) {
-        let mut parts = [Complex::new(0.0, 0.0); P];
-        for k in 0..m {
-            parts[0] = out[k];
-            for r in 1..P {
-                parts[r] = out[r * m + k] * self.roots[r * k * stride];
-            }
-            self.sums(&parts, m * stride, |s, sum| out[s * m + k] = sum);
-        }
-    }
-
-    /// Combines as many transforms as `parts` has places.
-    fn combine_any(&self, stride: usize, m: usize, out: &mut [Complex<f64>], parts: &mut [Complex<f64>]) {
+    /// As many transforms of m values each as `parts` has places to one: inlined, so that a known number of them is unrolled.
+    #[inline(always)]
+    fn combine(&self, stride: usize, m: usize, out: &mut [Complex<f64>], parts: &mut [Complex<f64>]) {
         for k in 0..m {
             parts[0] = out[k];
             for r in 1..parts.len() {

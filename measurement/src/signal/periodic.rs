@@ -64,26 +64,22 @@ pub fn process_periods(
         NoiseModel::adaptive(|l| scatter.lag(l, blocks), blocks / 4, true, count).scaled(1.0 / average.periods as f64)
     });
     let used = used_blocks(&states, block, processing.reversal_fraction, 0);
+    let tau = low_pass.apply(&average, &transform);
     Ok(Samples {
         slow: used.iter().map(|used| !used).collect(),
         used,
-        states,
-        link_q: None,
-        tau: low_pass.apply(&average, &transform),
-        units: effort_units(robot),
         block,
-        rate_hz: average.rate_hz,
         period_s: Some(average.period_s),
         periods: average.periods,
-        torque_covariance: average.effort_covariance,
-        position_noise: average.q_variance.map(|v| v.into_iter().map(f64::sqrt).collect()),
         noise,
         derivatives: processing.derivatives,
         position_band_hz,
         position_floor,
         torque_band_hz: low_pass.band_hz(spacing_hz),
         torque_filter_order: processing.filter_order,
-        provenance: None,
+        torque_covariance: average.effort_covariance,
+        position_noise: average.q_variance.map(|v| v.into_iter().map(f64::sqrt).collect()),
+        ..Samples::exact(states, tau, effort_units(robot), average.rate_hz)
     })
 }
 

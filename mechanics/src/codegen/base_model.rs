@@ -112,7 +112,7 @@ impl BaseModel {
         let costs = |expression: &Expression| {
             !matches!(expression, Number(_) | Position(_) | Velocity(_) | Acceleration(_) | Negative(_))
         };
-        self.expressions.list().iter().zip(needed).filter(|(expression, needed)| *needed && costs(expression)).count()
+        self.expressions.list.iter().zip(needed).filter(|(expression, needed)| *needed && costs(expression)).count()
     }
 
     /// Inverse dynamics τ (n) by the operations that are written, at a state q, q̇, q̈ (n each).
@@ -144,8 +144,8 @@ impl BaseModel {
     fn evaluate(&self, [q, qd, qdd]: [&[f64]; 3], outputs: &[Id], out: &mut [f64]) {
         assert!([q.len(), qd.len(), qdd.len()] == [self.dof; 3], "one number per joint");
         assert_eq!(out.len(), outputs.len(), "one place per result");
-        let mut values: Vec<f64> = Vec::with_capacity(self.expressions.list().len());
-        for &expression in self.expressions.list() {
+        let mut values: Vec<f64> = Vec::with_capacity(self.expressions.list.len());
+        for &expression in &self.expressions.list {
             let value = match expression {
                 Expression::Number(bits) => f64::from_bits(bits),
                 Expression::Position(i) => q[i],

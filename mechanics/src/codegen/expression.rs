@@ -45,15 +45,11 @@ impl Expression {
 /// Expressions; equal ones are one.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Expressions {
-    list: Vec<Expression>,
+    pub(super) list: Vec<Expression>,
     places: BTreeMap<Expression, Id>,
 }
 
 impl Expressions {
-    pub(super) fn list(&self) -> &[Expression] {
-        &self.list
-    }
-
     pub(super) fn of(&mut self, expression: Expression) -> Id {
         *self.places.entry(expression).or_insert_with(|| {
             self.list.push(expression);

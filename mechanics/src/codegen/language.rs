@@ -51,34 +51,18 @@ impl BaseModel {
         }
         let outputs = self.torque.iter().chain(&self.gravity).chain(&self.mass).copied();
         let needed = self.expressions.needed_for(outputs);
-        let signs = self.expressions.list().iter().zip(&needed);
+        let signs = self.expressions.list.iter().zip(&needed);
         if signs.into_iter().any(|(expression, &needed)| needed && matches!(expression, Expression::SmoothSign(..))) {
             out.push_str(match language {
                 Language::C => C_SMOOTH_SIGN,
                 Language::Rust => RUST_SMOOTH_SIGN,
             });
         }
-        let n = self.dof;
-        let state = ["q", "qd", "qdd"];
-        self.function(
-            &mut out,
-            language,
-            "inverse_dynamics",
-            "Joint torques, N m (N), of a motion: q, qd, qdd in rad (m) and s.",
-            &state,
-            &self.torque,
-            n,
-        );
-        self.function(&mut out, language, "gravity", &self.meaning_of_gravity(), &["q"], &self.gravity, n);
-        self.function(
-            &mut out,
-            language,
-            "mass_matrix",
-            "Mass matrix by rows, rotors among it.",
-            &["q"],
-            &self.mass,
-            n * n,
-        );
+        let meaning = "Joint torques, N m (N), of a motion: q, qd, qdd in rad (m) and s.";
+        self.function(&mut out, language, "inverse_dynamics", meaning, &["q", "qd", "qdd"], &self.torque);
+        self.function(&mut out, language, "gravity", &self.meaning_of_gravity(), &["q"], &self.gravity);
+        let meaning = "Mass matrix by rows, rotors among it.";
+        self.function(&mut out, language, "mass_matrix", meaning, &["q"], &self.mass);
         out
     }
 
@@ -96,7 +80,6 @@ impl BaseModel {
         }
     }
 
-    #[allow(clippy::too_many_arguments, reason = "one function of source code, told once for each")]
     fn function(
         &self,
         out: &mut String,
@@ -105,9 +88,8 @@ impl BaseModel {
         meaning: &str,
         inputs: &[&str],
         outputs: &[Id],
-        size: usize,
     ) {
-        let n = self.dof;
+        let (n, size) = (self.dof, outputs.len());
         let number = match language {
             Language::C => {
                 let typed: Vec<String> = inputs.iter().map(|input| format!("const double {input}[{n}]")).collect();
@@ -128,7 +110,7 @@ impl BaseModel {
             }
         };
         let needed = self.expressions.needed_for(outputs.iter().copied());
-        let list = self.expressions.list();
+        let list = &self.expressions.list;
         for (id, &expression) in list.iter().enumerate().filter(|(id, _)| needed[*id]) {
             let of = |id: Id| self.operand(id);
             let text = match expression {
@@ -166,7 +148,7 @@ impl BaseModel {
 
     /// An expression where it is used: numbers and coordinates by themselves, others by their names.
     fn operand(&self, id: Id) -> String {
-        match self.expressions.list()[id] {
+        match self.expressions.list[id] {
             Expression::Number(bits) => {
                 let x = f64::from_bits(bits);
                 if x < 0.0 { format!("({x:?})") } else { format!("{x:?}") }

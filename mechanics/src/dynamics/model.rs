@@ -149,7 +149,7 @@ impl Dynamics {
     #[inline]
     fn add_terms(&mut self, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
         let n = self.dof();
-        let load: &[f64] = if self.terms.needs_load() {
+        let load: &[f64] = if self.terms.needs_load {
             self.load.copy_from_slice(tau);
             &self.load
         } else {
@@ -222,7 +222,7 @@ impl Dynamics {
         self.load.fill(0.0);
         self.subtract_term_torque(q, qd, tau, qdd);
         accelerate(self, qdd);
-        if !self.terms.needs_load() {
+        if !self.terms.needs_load {
             return;
         }
         for _ in 0..MOST_REPETITIONS {
@@ -246,7 +246,7 @@ impl Dynamics {
     fn subtract_term_torque(&mut self, q: &[f64], qd: &[f64], tau: &[f64], rest: &mut [f64]) {
         let n = self.dof();
         self.term_torque.fill(0.0);
-        let load: &[f64] = if self.terms.needs_load() { &self.load } else { &[] };
+        let load: &[f64] = if self.terms.needs_load { &self.load } else { &[] };
         let state = TermState { q: &q[..n], qd: &qd[..n], qdd: &self.zeros, load };
         self.terms.add_torque(&self.term_values, &state, &mut self.term_torque);
         for ((rest, tau), term) in rest[..n].iter_mut().zip(&tau[..n]).zip(&self.term_torque) {

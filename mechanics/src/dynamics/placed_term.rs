@@ -17,32 +17,20 @@ use crate::model::term::{Shapes, Slope, Term, TermInput};
 /// // The elbow's viscous friction, 2 N·m·s/rad at 3 rad/s.
 /// let mut tau = [0.0; 2];
 /// terms[5].add_torque(2.0, &[0.0; 2], &[0.0, 3.0], &mut tau);
-/// assert_eq!((terms[5].parameter().to_string().as_str(), tau), ("Fv2", [0.0, 6.0]));
+/// assert_eq!((terms[5].parameter.to_string().as_str(), tau), ("Fv2", [0.0, 6.0]));
 /// ```
 #[derive(Clone, Debug)]
 pub struct PlacedTerm {
-    pub(super) parameter: ParameterId,
-    pub(super) term: Term,
+    /// The parameter `φ` that multiplies the law.
+    pub parameter: ParameterId,
+    /// The term.
+    pub term: Term,
     pub(super) shape: Shapes,
-    pub(super) direction: Vec<(usize, f64)>,
+    /// The entries `(joint, d)` of its direction that are not zero: one, unless motors are coupled.
+    pub direction: Vec<(usize, f64)>,
 }
 
 impl PlacedTerm {
-    /// The parameter `φ` that multiplies the law.
-    pub const fn parameter(&self) -> ParameterId {
-        self.parameter
-    }
-
-    /// The term.
-    pub const fn term(&self) -> Term {
-        self.term
-    }
-
-    /// The entries `(joint, d)` of its direction that are not zero: one, unless motors are coupled.
-    pub fn direction(&self) -> &[(usize, f64)] {
-        &self.direction
-    }
-
     /// What the joint quantity `x` (n) is in its own coordinate: `dᵀ x`.
     pub fn along(&self, x: &[f64]) -> f64 {
         self.direction.iter().fold(0.0, |sum, &(joint, d)| sum + d * x[joint])

@@ -55,7 +55,8 @@ pub struct TorqueTerms {
     coupling: Vec<f64>,
     /// Motor torques from joint torques, `C⁻ᵀ`, row-major n × n; empty where motors are not coupled.
     torque_coupling: Vec<f64>,
-    needs_load: bool,
+    /// Whether a term depends on the torque that the links take.
+    pub(crate) needs_load: bool,
 }
 
 impl TorqueTerms {
@@ -100,11 +101,6 @@ impl TorqueTerms {
     /// Whether there is any.
     pub(super) const fn acts(&self) -> bool {
         !self.banks.is_empty()
-    }
-
-    /// Whether a term depends on the torque that the links take.
-    pub const fn needs_load(&self) -> bool {
-        self.needs_load
     }
 
     /// The terms one by one, in the order of their parameters: for engines with equations of motion of their own.
@@ -258,24 +254,20 @@ impl TorqueTerms {
         for bank in &self.banks {
             for &(index, column) in &bank.members {
                 let column = start + column;
+                let by = bank.term.slopes(&self.input(bank, index, state));
+                let mut add = |i: usize, by_motion: f64, by_load: f64| {
+                    dq[i] += by_motion * by[0];
+                    dqd[i] += by_motion * by[1];
+                    dqdd[i] += by_motion * by[2];
+                    dload[i] += by_load * by[3];
+                };
                 if bank.through_coupling {
-                    let d = self.coupling_row(index);
-                    let torque_row = self.torque_row(index);
+                    let (d, shares) = (self.coupling_row(index), self.torque_row(index));
                     let weight = (0..self.dof).fold(0.0, |sum, i| sum + d[i] * weights[i * stride + column]);
-                    let by = bank.term.slopes(&self.input(bank, index, state));
-                    for i in 0..self.dof {
-                        dq[i] += d[i] * weight * by[0];
-                        dqd[i] += d[i] * weight * by[1];
-                        dqdd[i] += d[i] * weight * by[2];
-                        dload[i] += torque_row[i] * weight * by[3];
-                    }
+                    (0..self.dof).for_each(|i| add(i, d[i] * weight, shares[i] * weight));
                 } else {
                     let weight = weights[index * stride + column];
-                    let by = bank.term.slopes(&self.input(bank, index, state));
-                    dq[index] += weight * by[0];
-                    dqd[index] += weight * by[1];
-                    dqdd[index] += weight * by[2];
-                    dload[index] += weight * by[3];
+                    add(index, weight, weight);
                 }
             }
         }
@@ -313,15 +305,16 @@ impl TorqueTerms {
 
     /// Calls `each(first, g)` with the law of the joints or motors from `first` on, in chunks.
     #[inline]
-    fn evaluate(&self, bank: &Bank, state: &TermState<'_>, mut each: impl FnMut(usize, &[f64])) {
+    fn evaluate<'s>(&self, bank: &Bank, state: &TermState<'s>, mut each: impl FnMut(usize, &[f64])) {
         let mut g = [0.0; CHUNK];
         let mut first = 0;
         while first < self.dof {
             let count = CHUNK.min(self.dof - first);
             let g = &mut g[..count];
             let shape = &bank.shapes[first..first + count];
-            if bank.through_coupling {
-                let mut at_motors = [[0.0; CHUNK]; 4];
+            let mut at_motors;
+            let [q, qd, qdd, load] = if bank.through_coupling {
+                at_motors = [[0.0; CHUNK]; 4];
                 for k in 0..count {
                     let row = self.coupling_row(first + k);
                     at_motors[0][k] = dot(row, state.q);
@@ -331,20 +324,12 @@ impl TorqueTerms {
                         at_motors[3][k] = dot(self.torque_row(first + k), state.load);
                     }
                 }
-                let [q, qd, qdd, load] = at_motors.each_ref().map(|x| &x[..count]);
-                bank.term.law().torques(&TermBlock { q, qd, qdd, load, warmth: &[], shape }, g);
+                at_motors.each_ref().map(|x| &x[..count])
             } else {
-                let own = first..first + count;
-                let block = TermBlock {
-                    q: &state.q[own.clone()],
-                    qd: &state.qd[own.clone()],
-                    qdd: &state.qdd[own.clone()],
-                    load: if state.load.is_empty() { &[] } else { &state.load[own] },
-                    warmth: &[],
-                    shape,
-                };
-                bank.term.law().torques(&block, g);
-            }
+                let own = |x: &'s [f64]| if x.is_empty() { x } else { &x[first..first + count] };
+                [state.q, state.qd, state.qdd, state.load].map(own)
+            };
+            bank.term.law().torques(&TermBlock { q, qd, qdd, load, warmth: &[], shape }, g);
             each(first, g);
             first += count;
         }

@@ -14,26 +14,24 @@ use nalgebra::{DMatrix, DVector};
 /// let mut gram = Gram::new(2);
 /// gram.add(&dmatrix![1.0, 2.0; 3.0, 4.0], &dvector![1.0, -1.0]);
 /// assert_eq!(gram.information(), dmatrix![10.0, 14.0; 14.0, 20.0]);
-/// assert_eq!((gram.moment(), gram.rows()), (&dvector![-2.0, -2.0], 2));
+/// assert_eq!((&gram.moment, gram.rows), (&dvector![-2.0, -2.0], 2));
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gram {
     /// Upper triangle of WᵀW; the lower one stays zero.
-    upper: DMatrix<f64>,
-    moment: DVector<f64>,
-    energy: f64,
-    rows: usize,
+    pub(crate) upper: DMatrix<f64>,
+    /// `Wᵀy`, length b.
+    pub moment: DVector<f64>,
+    /// `yᵀy`.
+    pub energy: f64,
+    /// Number of rows added.
+    pub rows: usize,
 }
 
 impl Gram {
     /// No rows yet, for b columns.
     pub fn new(columns: usize) -> Self {
         Self { upper: DMatrix::zeros(columns, columns), moment: DVector::zeros(columns), energy: 0.0, rows: 0 }
-    }
-
-    /// These sums over so many rows; of `WᵀW` the upper triangle, zeros below.
-    pub(crate) const fn from_sums(upper: DMatrix<f64>, moment: DVector<f64>, energy: f64, rows: usize) -> Self {
-        Self { upper, moment, energy, rows }
     }
 
     /// Adds one row `w` (b) with its measurement `y` and the factor `weight` (1/σ²).
@@ -73,21 +71,6 @@ impl Gram {
         let b = self.moment.len();
         DMatrix::from_fn(b, b, |i, j| self.upper[(i.min(j), i.max(j))])
     }
-
-    /// `Wᵀy`, length b.
-    pub const fn moment(&self) -> &DVector<f64> {
-        &self.moment
-    }
-
-    /// `yᵀy`.
-    pub const fn energy(&self) -> f64 {
-        self.energy
-    }
-
-    /// Number of rows added.
-    pub const fn rows(&self) -> usize {
-        self.rows
-    }
 }
 
 #[cfg(test)]
@@ -106,7 +89,7 @@ mod tests {
         }
         assert_eq!(whole, parts);
         assert!((whole.information() - w.tr_mul(&w)).norm() < 1e-13);
-        assert!((whole.moment() - w.tr_mul(&y)).norm() < 1e-13);
-        assert!((whole.energy() - y.norm_squared()).abs() < 1e-13);
+        assert!((&whole.moment - w.tr_mul(&y)).norm() < 1e-13);
+        assert!((whole.energy - y.norm_squared()).abs() < 1e-13);
     }
 }

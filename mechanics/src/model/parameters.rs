@@ -129,10 +129,7 @@ impl StandardParameters {
 
     /// The vector φ for these columns of a robot, length p.
     pub fn vector(&self, robot: &Robot, columns: Columns) -> nalgebra::DVector<f64> {
-        nalgebra::DVector::from_iterator(
-            columns.parameters(robot).len(),
-            columns.parameters(robot).into_iter().map(|id| self.get(id)),
-        )
+        columns.parameters(robot).into_iter().map(|id| self.get(id)).collect::<Vec<f64>>().into()
     }
 
     /// From a vector φ for these columns of a robot; parameters that it does not hold are zero.

@@ -31,7 +31,7 @@ crate::input::named! { EffortInterface { Current: "current", Torque: "torque" } 
 ///
 /// ```
 /// # use armid_mechanics as armid;
-/// let tuning = armid::model::ServoTuning::default();
+/// let tuning = armid::model::ServoTuning::ASSUMED;
 /// assert!(tuning.integral_hz < 2.0 * tuning.damping * tuning.bandwidth_hz);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -54,11 +54,4 @@ impl ServoTuning {
     /// 1 kHz, 8 Hz, damping 0.8, a mild integral, and friction overcome: what a simulated arm has whose robot file states no servo.
     pub const ASSUMED: Self =
         Self { rate_hz: 1000.0, bandwidth_hz: 8.0, damping: 0.8, integral_hz: 0.5, friction: true };
-}
-
-impl Default for ServoTuning {
-    /// [`ServoTuning::ASSUMED`].
-    fn default() -> Self {
-        Self::ASSUMED
-    }
 }

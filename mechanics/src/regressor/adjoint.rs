@@ -51,22 +51,13 @@ impl JointTorqueRegressor {
     /// let mut g = vec![0.0; 2 * regressor.cols()];
     /// g[10] = 1.0; // row 1, m2: a unit mass at the tip, seen by the shoulder
     /// let (mut dq, mut dqd, mut dqdd) = ([0.0; 2], [0.0; 2], [0.0; 2]);
-    /// regressor.adjoint(&[0.0, 0.0], &[0.0; 2], &[0.0; 2], &g, &mut dq, &mut dqd, &mut dqdd);
+    /// regressor.adjoint([&[0.0; 2]; 3], &g, [&mut dq, &mut dqd, &mut dqdd]);
     /// assert!((dqdd[0] - 0.7 * 0.7).abs() < 1e-15 && (dqdd[1] - 0.7 * 0.3).abs() < 1e-15);
     /// ```
     ///
     /// # Panics
     /// If a slice is shorter than n, or `g` than n·p.
-    pub fn adjoint(
-        &self,
-        q: &[f64],
-        qd: &[f64],
-        qdd: &[f64],
-        g: &[f64],
-        dq: &mut [f64],
-        dqd: &mut [f64],
-        dqdd: &mut [f64],
-    ) {
+    pub fn adjoint(&self, [q, qd, qdd]: [&[f64]; 3], g: &[f64], [dq, dqd, dqdd]: [&mut [f64]; 3]) {
         let (n, p) = (self.rows(), self.cols());
         let load = self.load_at(q, qd, qdd);
         let state = TermState { q: &q[..n], qd: &qd[..n], qdd: &qdd[..n], load: &load };
@@ -188,7 +179,7 @@ mod tests {
         let zeros = vec![0.0; q.len()];
         let mut d = [zeros.clone(), zeros.clone(), zeros];
         let [dq, dqd, dqdd] = &mut d;
-        regressor.adjoint(q, qd, qdd, g, dq, dqd, dqdd);
+        regressor.adjoint([q, qd, qdd], g, [dq, dqd, dqdd]);
         d
     }
 

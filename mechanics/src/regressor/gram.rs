@@ -106,7 +106,7 @@ impl Sums {
         let b = self.width - 1;
         let entry = |i: usize, j: usize| self.sums[i * self.width + j].sum();
         let upper = DMatrix::from_fn(b, b, |i, j| if i <= j { entry(i, j) } else { 0.0 });
-        Gram::from_sums(upper, DVector::from_fn(b, |i, _| entry(i, b)), entry(b, b), rows)
+        Gram { upper, moment: DVector::from_fn(b, |i, _| entry(i, b)), energy: entry(b, b), rows }
     }
 }
 
@@ -146,9 +146,9 @@ mod tests {
                 }
                 let size = w.norm_squared();
                 assert!((gram.information() - w.tr_mul(&w)).amax() < 1e-13 * size, "{dof} joints");
-                assert!((gram.moment() - w.tr_mul(&y)).amax() < 1e-13 * (size * y.norm_squared()).sqrt());
-                assert!((gram.energy() - y.norm_squared()).abs() < 1e-12 * y.norm_squared().max(1e-300));
-                assert_eq!(gram.rows(), dof * count);
+                assert!((&gram.moment - w.tr_mul(&y)).amax() < 1e-13 * (size * y.norm_squared()).sqrt());
+                assert!((gram.energy - y.norm_squared()).abs() < 1e-12 * y.norm_squared().max(1e-300));
+                assert_eq!(gram.rows, dof * count);
             }
         }
     }

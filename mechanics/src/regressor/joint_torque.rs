@@ -67,7 +67,7 @@ impl JointTorqueRegressor {
     pub fn with_load(robot: &Robot, columns: Columns, parameters: &StandardParameters) -> Self {
         assert_eq!(parameters.links.len(), robot.dof(), "parameters of one link for each joint");
         let mut regressor = Self::without_load(robot, columns);
-        if regressor.terms.needs_load() {
+        if regressor.terms.needs_load {
             regressor.links = parameters.vector(robot, Columns::RIGID).as_slice().to_vec();
         }
         regressor
@@ -88,13 +88,13 @@ impl JointTorqueRegressor {
     /// Returns this regressor with other parameters of the links, 10 n, by which the torque is found that terms may depend on.
     #[must_use]
     pub fn with_links(&self, links: &[f64]) -> Self {
-        let links = if self.terms.needs_load() { links.to_vec() } else { Vec::new() };
+        let links = if self.terms.needs_load { links.to_vec() } else { Vec::new() };
         Self { links, ..self.clone() }
     }
 
     /// Whether a term among its columns depends on the torque that the links take.
     pub const fn needs_load(&self) -> bool {
-        self.terms.needs_load()
+        self.terms.needs_load
     }
 
     /// One sample as [`evaluate`](Self::evaluate) gives it, and with it the slopes of `Y φ` by the parameters, for `values` of those of the

@@ -47,11 +47,11 @@ impl CustomTrajectory {
     }
 
     /// The motion.
-    pub fn motion(&self) -> &dyn PeriodicMotion {
+    pub fn motion(&self) -> &(dyn PeriodicMotion + 'static) {
         &*self.0
     }
 
-    pub(super) fn motion_mut(&mut self) -> &mut dyn PeriodicMotion {
+    pub(super) fn motion_mut(&mut self) -> &mut (dyn PeriodicMotion + 'static) {
         &mut *self.0
     }
 

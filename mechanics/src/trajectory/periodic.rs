@@ -1,5 +1,7 @@
 //! The list of periodic motions that an experiment can perform.
 
+use std::ops::{Deref, DerefMut};
+
 use super::b_spline::BSplineTrajectory;
 use super::constant_speed::ConstantSpeedTrajectory;
 use super::curve::Curve;
@@ -8,7 +10,6 @@ use super::definition::{PeriodicMotion, Trajectory};
 use super::fourier::FourierTrajectory;
 use super::fourier_quintic::FourierQuinticTrajectory;
 use super::quantity::Quantity;
-use super::states::States;
 
 /// A periodic motion of all joints.
 ///
@@ -34,9 +35,11 @@ pub enum PeriodicTrajectory {
     Custom(CustomTrajectory),
 }
 
-impl PeriodicTrajectory {
-    /// The motion behind the name.
-    fn motion(&self) -> &dyn PeriodicMotion {
+/// The motion behind the name.
+impl Deref for PeriodicTrajectory {
+    type Target = dyn PeriodicMotion;
+
+    fn deref(&self) -> &Self::Target {
         match self {
             Self::Fourier(motion) => motion,
             Self::FourierQuintic(motion) => motion,
@@ -45,8 +48,10 @@ impl PeriodicTrajectory {
             Self::Custom(motion) => motion.motion(),
         }
     }
+}
 
-    fn motion_mut(&mut self) -> &mut dyn PeriodicMotion {
+impl DerefMut for PeriodicTrajectory {
+    fn deref_mut(&mut self) -> &mut Self::Target {
         match self {
             Self::Fourier(motion) => motion,
             Self::FourierQuintic(motion) => motion,
@@ -55,53 +60,30 @@ impl PeriodicTrajectory {
             Self::Custom(motion) => motion.motion_mut(),
         }
     }
+}
 
-    /// Number of joints n.
-    pub fn dof(&self) -> usize {
-        self.motion().dof()
-    }
-
-    /// Period T, s.
-    pub fn period_s(&self) -> f64 {
-        self.motion().period_s()
-    }
-
+impl PeriodicTrajectory {
     /// Fundamental angular frequency ω = 2π/T, rad/s.
     pub fn omega(&self) -> f64 {
         std::f64::consts::TAU / self.period_s()
     }
 
-    /// Names of the joints, n.
-    pub fn names(&self) -> Vec<&str> {
-        self.motion().names()
-    }
-
     /// One motion of one joint over the phase ωt.
     pub fn curve(&self, joint: usize, quantity: Quantity) -> Curve {
-        self.motion().curve(joint, quantity as usize)
+        (**self).curve(joint, quantity as usize)
     }
 
     /// The derivative of this order (0 position … 3 jerk) of one joint over the phase ωt, in rad and s.
     pub fn derivative(&self, joint: usize, order: usize) -> Curve {
-        self.motion().curve(joint, order)
-    }
-
-    /// Scales the motion of a joint about its mean position by `factor`, and moves the mean by `shift` (rad).
-    pub fn adjust(&mut self, joint: usize, factor: f64, shift: f64) {
-        self.motion_mut().adjust(joint, factor, shift);
+        (**self).curve(joint, order)
     }
 
     /// Returns this path at `part` of the speed: period T/part, velocities times part, accelerations times part².
     #[must_use]
     pub fn at_speed(&self, part: f64) -> Self {
         let mut slowed = self.clone();
-        slowed.motion_mut().slow_down(part);
+        slowed.slow_down(part);
         slowed
-    }
-
-    /// The highest frequency that the motion commands, Hz.
-    pub fn highest_hz(&self) -> f64 {
-        self.motion().highest_hz()
     }
 
     /// What the numbers of its file mean, for a reader of it; T is the period, t from 0 to T.
@@ -121,24 +103,19 @@ impl PeriodicTrajectory {
             Self::Custom(_) => "a law of the program's own",
         }
     }
-
-    /// `count` samples of one period, at `t_k = k T / count`.
-    pub fn sample(&self, count: usize) -> States {
-        self.motion().sample(count)
-    }
 }
 
 impl Trajectory for PeriodicTrajectory {
     fn dof(&self) -> usize {
-        self.motion().dof()
+        (**self).dof()
     }
 
     fn period_s(&self) -> f64 {
-        self.motion().period_s()
+        (**self).period_s()
     }
 
     fn evaluate(&self, t: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
-        self.motion().evaluate(t, q, qd, qdd);
+        (**self).evaluate(t, q, qd, qdd);
     }
 }
 
@@ -161,7 +138,7 @@ from! {
 mod tests {
     use super::*;
     use crate::trajectory::table_one;
-    use crate::trajectory::{BSplineJoint, ConstantSpeedJoint};
+    use crate::trajectory::{BSplineJoint, ConstantSpeedJoint, States};
 
     /// One motion of each kind on the robot of Table I.
     fn motions() -> Vec<PeriodicTrajectory> {
@@ -283,7 +260,7 @@ mod tests {
 
     #[test]
     fn analytic_highest_frequency_of_each_family() {
-        let found: Vec<f64> = motions().iter().map(PeriodicTrajectory::highest_hz).collect();
+        let found: Vec<f64> = motions().iter().map(|motion| motion.highest_hz()).collect();
         assert_eq!(found[0], 0.5);
         // A spline of 11 knots has lines beyond 0.5 Hz, which fall with the power degree − 1 of the frequency.
         assert!(found[1] >= 0.5 && found[2] > found[3] && found[3] > 0.5 && found[2] < 12.0, "{found:?}");

@@ -70,6 +70,17 @@ impl States {
         self.qdd.extend_from_slice(qdd);
     }
 
+    /// Positions, velocities and accelerations of sample `k`, n each.
+    pub fn at(&self, k: usize) -> [&[f64]; 3] {
+        [self.q(k), self.qd(k), self.qdd(k)]
+    }
+
+    /// Those of [`at`](Self::at), to write.
+    pub fn at_mut(&mut self, k: usize) -> [&mut [f64]; 3] {
+        let n = self.dof;
+        [&mut self.q, &mut self.qd, &mut self.qdd].map(|x| &mut x[k * n..(k + 1) * n])
+    }
+
     /// Positions of sample `k`, n.
     #[inline]
     pub fn q(&self, k: usize) -> &[f64] {

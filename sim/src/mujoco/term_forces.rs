@@ -33,9 +33,9 @@ impl TermForces {
         let terms: Vec<(PlacedTerm, f64)> = TorqueTerms::new(robot, columns)
             .placed()
             .into_iter()
-            .filter(|term| !term.term().is_inertia())
+            .filter(|term| !term.term.is_inertia())
             .map(|term| {
-                let value = parameters.get(term.parameter());
+                let value = parameters.get(term.parameter);
                 (term, value)
             })
             .filter(|&(_, value)| value != 0.0)
@@ -45,9 +45,9 @@ impl TermForces {
             .enumerate()
             .filter(|(_, (term, _))| term.slopes(0.0, 0.0)[1] != 0.0)
             .map(|(index, (term, _))| {
-                let motor = term.parameter().index;
+                let motor = term.parameter.index;
                 // M ≥ Ia d dᵀ for the rotor's own direction, and then dᵀ M⁻¹ d ≤ 1 / Ia.
-                let carried = term.term().is_motors() || robot.coupling().is_none();
+                let carried = term.term.is_motors() || robot.coupling().is_none();
                 let mobility = if carried { 1.0 / parameters.drives[motor][ROTOR] } else { f64::INFINITY };
                 Brake { term: index, mobility }
             })
@@ -76,7 +76,7 @@ impl TermForces {
         let n = self.dof;
         let mut rate = 0.0;
         for brake in &self.brakes {
-            let direction = self.terms[brake.term].0.direction();
+            let direction = &self.terms[brake.term].0.direction;
             let mut mobility = 0.0;
             for &(i, di) in direction {
                 for &(j, dj) in direction {
@@ -93,7 +93,7 @@ impl TermForces {
     fn slope(&self, brake: &Brake, q: &[f64], qd: &[f64], change: &[f64]) -> f64 {
         let (term, value) = &self.terms[brake.term];
         let (mut v, mut swing) = (0.0, 0.0);
-        for &(joint, d) in term.direction() {
+        for &(joint, d) in &term.direction {
             v += d * qd[joint];
             swing += d.abs() * change[joint];
         }

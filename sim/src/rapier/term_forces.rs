@@ -24,9 +24,9 @@ impl TermForces {
     pub(super) fn new(robot: &Robot, parameters: &StandardParameters) -> Result<Self, RapierError> {
         check_simulable(robot, parameters)?;
         let columns = Columns::default().and_those_of(parameters);
-        let terms = TorqueTerms::new(robot, columns).placed().into_iter().filter(|term| !term.term().is_inertia());
+        let terms = TorqueTerms::new(robot, columns).placed().into_iter().filter(|term| !term.term.is_inertia());
         let terms = terms.map(|term| {
-            let value = parameters.get(term.parameter());
+            let value = parameters.get(term.parameter);
             (term, value)
         });
         Ok(Self { terms: terms.filter(|&(_, value)| value != 0.0).collect() })
@@ -39,8 +39,8 @@ impl TermForces {
         for (term, value) in &self.terms {
             term.add_torque(*value, q, qd, torque);
             let slope = value * term.slopes(term.along(q), term.along(qd))[1];
-            let sum: f64 = term.direction().iter().map(|&(_, d)| d.abs()).sum();
-            for &(joint, d) in term.direction() {
+            let sum: f64 = term.direction.iter().map(|&(_, d)| d.abs()).sum();
+            for &(joint, d) in &term.direction {
                 // A negative coefficient is not made implicit: that would take stability away.
                 damping[joint] += (slope * d.abs() * sum).max(0.0);
             }

@@ -60,7 +60,7 @@ impl HeldClearance<'_> {
     /// Pairs of links with shapes that are held, and the others.
     pub fn pairs(&self) -> (BTreeSet<(usize, usize)>, Vec<PairLeftOut>) {
         let scene = Scene::new(self.robot);
-        let held: BTreeSet<(usize, usize)> = (0..scene.pairs().len()).filter_map(|pair| scene.links(pair)).collect();
+        let held: BTreeSet<(usize, usize)> = (0..scene.pairs.len()).filter_map(|pair| scene.links(pair)).collect();
         let links: BTreeSet<usize> = self.robot.shapes().iter().map(|shape| shape.link).collect();
         let mut left_out = Vec::new();
         for &inner in &links {

@@ -28,7 +28,7 @@ impl NormalEquations {
                 gram.add_row(&row, y[at], weights[at % weights.len()]);
             }
         }
-        Self { information: gram.information(), moment: gram.moment().clone(), square: gram.energy() }
+        Self { information: gram.information(), moment: gram.moment, square: gram.energy }
     }
 
     /// The sums of all of these.

@@ -61,7 +61,7 @@ impl ClearanceLimits {
         }
         let mut states = std::mem::take(&mut self.states);
         self.sampled.states(x, &mut states);
-        let (count, pairs) = (states.len(), self.scene.pairs().len());
+        let (count, pairs) = (states.len(), self.scene.pairs.len());
         let step = TAU / count as f64;
         let half_s = 0.5 * step / self.sampled.basis.omega();
         let mut distances = vec![0.0; count * pairs];
@@ -115,7 +115,7 @@ impl ClearanceLimits {
 impl SmoothLimits for ClearanceLimits {
     fn excess(&mut self, x: &[f64]) -> f64 {
         self.move_to(x);
-        let mut worst = vec![0.0_f64; self.scene.pairs().len()];
+        let mut worst = vec![0.0_f64; self.scene.pairs.len()];
         for dip in &self.dips {
             worst[dip.pair] = worst[dip.pair].max((self.required - dip.distance) / UNIT);
         }

@@ -39,7 +39,8 @@ pub struct Scene {
     /// Link and shape of each body of the robot.
     bodies: Vec<(usize, Solid)>,
     obstacles: Vec<Obstacle>,
-    pairs: Vec<Pair>,
+    /// The pairs that can meet.
+    pub pairs: Vec<Pair>,
     /// Pose of the base and of every link, at the last configuration.
     poses: Vec<Placement>,
     placed: Vec<Placed>,
@@ -108,11 +109,6 @@ impl Scene {
             reach += between.before.translation.norm() + between.after.translation.norm() + travel;
         }
         reach
-    }
-
-    /// The pairs that can meet.
-    pub fn pairs(&self) -> &[Pair] {
-        &self.pairs
     }
 
     /// The links of a pair of the robot's bodies, the inner one first; `None` where one of the two stands around.
@@ -220,7 +216,7 @@ mod tests {
     #[test]
     fn analytic_pairs_of_the_a460() {
         let scene = Scene::new(&chains::crs_a460());
-        let names: Vec<String> = (0..scene.pairs().len()).map(|pair| scene.pair_names(pair).join(" ")).collect();
+        let names: Vec<String> = (0..scene.pairs.len()).map(|pair| scene.pair_names(pair).join(" ")).collect();
         assert_eq!(
             names,
             ["floor shoulder", "base elbow", "floor elbow", "base tool_roll", "shoulder tool_roll", "floor tool_roll"]
@@ -240,7 +236,7 @@ mod tests {
         let (mut checked, mut slopes) = (0, [0.0; 6]);
         for _ in 0..40 {
             let q: Vec<f64> = (0..6).map(|_| rng.random_range(-1.6..1.6)).collect();
-            for pair in 0..scene.pairs().len() {
+            for pair in 0..scene.pairs.len() {
                 scene.place(&q);
                 let here = scene.separation(pair);
                 scene.slopes(pair, &here, &mut slopes);
@@ -278,7 +274,7 @@ mod tests {
             let q: Vec<f64> = (0..6).map(|_| rng.random_range(-2.0..2.0)).collect();
             let moved: Vec<f64> = (0..6).map(|_| rng.random_range(0.0..0.3)).collect();
             let there: Vec<f64> = q.iter().zip(&moved).map(|(q, m)| q + rng.random_range(-1.0..1.0) * m).collect();
-            for pair in 0..scene.pairs().len() {
+            for pair in 0..scene.pairs.len() {
                 scene.place(&q);
                 let (here, closing) = (scene.separation(pair).distance, scene.closing(pair, &moved));
                 scene.place(&there);

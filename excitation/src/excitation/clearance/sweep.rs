@@ -42,7 +42,7 @@ pub fn smallest_clearance(
     acceleration: &[f64],
     samples: usize,
 ) -> Option<WorstClearance> {
-    if scene.pairs().is_empty() {
+    if scene.pairs.is_empty() {
         return None;
     }
     let mut look = Look {
@@ -60,7 +60,7 @@ pub fn smallest_clearance(
     for k in 0..samples {
         let middle = (2 * k + 1) as f64 * half;
         look.go(middle, half);
-        for pair in 0..look.scene.pairs().len() {
+        for pair in 0..look.scene.pairs.len() {
             let closing = look.scene.closing(pair, &look.moved);
             let distance = look.scene.distance_within(pair, nearest.0 + closing);
             if distance < nearest.0 {
@@ -136,7 +136,7 @@ mod tests {
             let mut least = f64::INFINITY;
             for k in 0..states.len() {
                 scene.place(states.q(k));
-                for pair in 0..scene.pairs().len() {
+                for pair in 0..scene.pairs.len() {
                     least = least.min(scene.separation(pair).distance);
                 }
             }

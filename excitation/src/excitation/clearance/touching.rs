@@ -37,7 +37,7 @@ pub fn touching_links(robot: &Robot, clearance: f64) -> Vec<TouchingLinks> {
         let q: Vec<f64> = robot.joints().iter().map(|joint| place(joint, rng.random_range(0.0..1.0))).collect();
         scene.place(&q);
         let mut here = BTreeSet::new();
-        for pair in 0..scene.pairs().len() {
+        for pair in 0..scene.pairs.len() {
             let Some(links) = scene.links(pair) else { continue };
             if !here.contains(&links) && scene.distance_within(pair, clearance) < clearance {
                 here.insert(links);

@@ -184,9 +184,7 @@ impl EffortModel {
                 *g = scale * weight * (sign * phi + factor * variance * y);
             }
         }
-        let [q, qd, qdd] = &self.state;
-        let [dq, dqd, dqdd] = slopes;
-        self.regressor.adjoint(q, qd, qdd, &self.g, dq, dqd, dqdd);
+        self.regressor.adjoint(self.state.each_ref().map(Vec::as_slice), &self.g, slopes);
     }
 
     /// Of sets of parameters drawn from the stated uncertainty, how many pass no peak limit of `channels` at any of some

@@ -14,6 +14,7 @@ use nalgebra::DMatrix;
 use super::effect::{EffectLaw, ExpectedEffects};
 use super::periodic_derivative::PeriodicDerivative;
 use crate::dynamics::{States, TermState, TorqueTerms};
+use crate::linalg::dot;
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
 
@@ -156,12 +157,8 @@ impl EffectTorques {
                                 *weight = u * value;
                             }
                         }
-                        let by = [
-                            &mut slopes.q[range.clone()],
-                            &mut slopes.qd[range.clone()],
-                            &mut slopes.qdd[range.clone()],
-                            &mut by_load[range],
-                        ];
+                        let [q, qd, qdd] = slopes.at_mut(k);
+                        let by = [q, qd, qdd, &mut by_load[range]];
                         bound.terms.add_gradient(&self.term_state(states, k), 0, stride, &weights, by);
                     }
                 }
@@ -234,12 +231,9 @@ impl EffectTorques {
         for k in 0..states.len() {
             self.regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut y);
             for row in y.chunks_exact(p) {
-                let dot = |range: std::ops::Range<usize>| -> f64 {
-                    row[range.clone()].iter().zip(&self.phi[range]).map(|(y, phi)| y * phi).sum()
-                };
-                let links = dot(0..rigid);
+                let links = dot(&row[..rigid], &self.phi[..rigid]);
                 load.push(links);
-                torque.push(links + dot(rigid..p));
+                torque.push(links + dot(&row[rigid..], &self.phi[rigid..]));
             }
         }
         (torque, load)
@@ -256,21 +250,13 @@ impl EffectTorques {
         let mut g = vec![0.0; n * p];
         for k in 0..self.samples {
             let range = k * n..(k + 1) * n;
-            let weights = by_torque[range.clone()].iter().zip(&by_load[range.clone()]);
+            let weights = by_torque[range.clone()].iter().zip(&by_load[range]);
             for (row, (torque, load)) in g.chunks_exact_mut(p).zip(weights) {
                 for ((g, phi), link) in row.iter_mut().zip(&self.phi).zip(&self.links) {
                     *g = torque * phi + load * link;
                 }
             }
-            self.regressor.adjoint(
-                states.q(k),
-                states.qd(k),
-                states.qdd(k),
-                &g,
-                &mut slopes.q[range.clone()],
-                &mut slopes.qd[range.clone()],
-                &mut slopes.qdd[range],
-            );
+            self.regressor.adjoint(states.at(k), &g, slopes.at_mut(k));
         }
     }
 }

@@ -22,7 +22,8 @@ use crate::model::term::ROTOR;
 /// The drives of one run.
 #[derive(Clone, Debug)]
 pub(in crate::experiment) struct ActualDrives {
-    parts: usize,
+    /// Parts of a servo step.
+    pub(in crate::experiment) parts: usize,
     /// Length of a part, s.
     h: f64,
     transmission: Transmission,
@@ -131,11 +132,6 @@ impl ActualDrives {
             extra: vec![0.0; n],
             q_motor,
         }
-    }
-
-    /// Parts of a servo step.
-    pub(in crate::experiment) const fn parts(&self) -> usize {
-        self.parts
     }
 
     /// A new servo step with these set points, A.

@@ -196,11 +196,11 @@ mod tests {
         let mut plant = FlyWheels::new(1);
         plant.reset(&[start], &[0.0]);
         let current = 0.1;
-        let h = 1.0 / (robot.servo().rate_hz * drives.parts() as f64);
+        let h = 1.0 / (robot.servo().rate_hz * drives.parts as f64);
         let (mut apart, mut swing) = (0.0_f64, 0.0_f64);
         for _ in 0..1500 {
             drives.set(&[current]);
-            for _ in 0..drives.parts() {
+            for _ in 0..drives.parts {
                 let (q, qd) = plant.state();
                 let mut tau = [0.0];
                 drives.push(q, qd, &mut tau);

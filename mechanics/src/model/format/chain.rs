@@ -42,10 +42,7 @@ impl Tree<'_> {
     /// One sentence on every joint from base to tip whose angles are not read as they are written.
     fn remark_right_angles(&mut self, base: usize, tip: usize) {
         let path = self.path(tip).into_iter().skip_while(|&b| b != base).skip(1);
-        let off = path.filter_map(|b| self.bodies[b].snapped.as_ref());
-        let off: Vec<SnappedJoint> =
-            off.map(|(name, off)| SnappedJoint { name: name.clone(), angle_rad: *off }).collect();
-        self.snapped = off;
+        self.snapped = path.filter_map(|b| self.bodies[b].snapped.clone()).collect();
         let named = |joint: &SnappedJoint| format!("\"{}\" by {:.1e}", joint.name, joint.angle_rad);
         let off: Vec<String> = self.snapped.iter().map(named).collect();
         if !off.is_empty() {

@@ -122,7 +122,7 @@ pub(super) fn read_geometry(collision: Element<'_>) -> Result<Geometry, FormatEr
             return Ok(value);
         }
         let message = format!("{key} is {value}, expected a number above zero");
-        shape.check().fault(shape.required(key)?.range_value(), message)
+        shape.check.fault(shape.required(key)?.range_value(), message)
     };
     match shape.tag() {
         "box" => {
@@ -130,7 +130,7 @@ pub(super) fn read_geometry(collision: Element<'_>) -> Result<Geometry, FormatEr
             let half = 0.5 * Vector3::from(shape.numbers_of::<3>(&size)?);
             if half.min() < 0.0 {
                 let message = format!("size is \"{}\", expected three numbers not below zero", size.value());
-                return shape.check().fault(size.range_value(), message);
+                return shape.check.fault(size.range_value(), message);
             }
             Ok(Geometry::Cuboid(half))
         }

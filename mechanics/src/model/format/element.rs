@@ -36,16 +36,12 @@ pub(super) fn parse_xml(text: &str) -> Result<Document<'_>, FormatError> {
 #[derive(Clone, Copy)]
 pub(super) struct Element<'a> {
     node: Node<'a, 'a>,
-    check: Check<'a>,
+    pub(super) check: Check<'a>,
 }
 
 impl<'a> Element<'a> {
     pub(super) fn root(document: &'a Document<'a>) -> Self {
         Self { node: document.root_element(), check: Check::new(document.input_text()) }
-    }
-
-    pub(super) fn check(&self) -> Check<'a> {
-        self.check
     }
 
     /// Its tag, such as `joint`.
@@ -55,7 +51,7 @@ impl<'a> Element<'a> {
 
     /// Whether its tag has this prefix, as in `xacro:macro`.
     pub(super) fn is_of(&self, prefix: &str) -> bool {
-        let written = &self.check.text()[self.node.range()];
+        let written = &self.check.text[self.node.range()];
         written.strip_prefix('<').and_then(|rest| rest.strip_prefix(prefix)).is_some_and(|rest| rest.starts_with(':'))
     }
 

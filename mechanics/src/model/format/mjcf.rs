@@ -75,7 +75,7 @@ pub(super) fn read_tree<'a>(root: Element<'a>, settings: &Settings<'a>) -> Resul
     }
     let name = root.attribute("model").map_or("unnamed", |name| name.value()).to_owned();
     Ok(Tree {
-        check: root.check(),
+        check: root.check,
         at: root.span(),
         name,
         gravity: settings.gravity,
@@ -96,7 +96,7 @@ fn coupled_rotor(tendon: Element<'_>) -> Result<Option<CoupledRotor>, FormatErro
             && !attribute.value().split_ascii_whitespace().all(|word| word.parse() == Ok(0.0))
         {
             let message = format!("{key} of a tendon is {}, expected 0: only its armature is read", attribute.value());
-            return tendon.check().fault(attribute.range_value(), message);
+            return tendon.check.fault(attribute.range_value(), message);
         }
     }
     let mut joints = Vec::new();
@@ -145,7 +145,7 @@ impl<'a> BodyReader<'_, 'a> {
         let class = element.attribute("childclass").map(|class| class.value()).or(class);
         if let Some(flag) = element.attribute("mocap").filter(|flag| flag.value() == "true") {
             return element
-                .check()
+                .check
                 .fault(flag.range(), format!("body \"{name}\" is a mocap body, which is not supported"));
         }
         if element.number("gravcomp")?.is_some_and(|share| share != 0.0) {
@@ -311,6 +311,6 @@ impl JointReader<'_, '_> {
 
     fn fault<T>(&self, key: &str, message: String) -> Result<T, FormatError> {
         let at = self.attributes.get(key).map_or_else(|| self.joint.span(), Attribute::range_value);
-        self.joint.check().fault(at, message)
+        self.joint.check.fault(at, message)
     }
 }

@@ -83,7 +83,7 @@ impl<'a> Settings<'a> {
             let (key, value) = (attribute.name(), attribute.value());
             let fault = |expected: &str| {
                 let message = format!("{key} is \"{value}\", expected {expected}");
-                compiler.check().fault(attribute.range_value(), message)
+                compiler.check.fault(attribute.range_value(), message)
             };
             match (key, value) {
                 ("angle", "degree") => self.degrees = true,
@@ -122,14 +122,14 @@ impl<'a> Settings<'a> {
                 && option.number(medium)? != Some(0.0)
             {
                 let message = format!("{medium} is {}, expected 0: the arm moves in a vacuum", attribute.value());
-                return option.check().fault(attribute.range_value(), message);
+                return option.check.fault(attribute.range_value(), message);
             }
         }
         for flag in option.all("flag") {
             for key in ["gravity", "passive", "spring", "damper", "frictionloss"] {
                 if let Some(attribute) = flag.attribute(key).filter(|attribute| attribute.value() == "disable") {
                     let message = format!("flag {key} is \"disable\", expected \"enable\"");
-                    return option.check().fault(attribute.range_value(), message);
+                    return option.check.fault(attribute.range_value(), message);
                 }
             }
         }
@@ -170,7 +170,7 @@ impl<'a> Settings<'a> {
             (Some(defaults), _) => defaults.clone(),
             (None, Some(own)) => {
                 let message = format!("class \"{class}\" is not there, expected one of the <default> classes");
-                return joint.check().fault(own.range_value(), message);
+                return joint.check.fault(own.range_value(), message);
             }
             (None, None) => BTreeMap::new(),
         };
@@ -201,7 +201,7 @@ impl<'a> Settings<'a> {
             let Some(attribute) = element.attribute(key) else { continue };
             if found.is_some() {
                 let message = format!("a second orientation, {key}, expected one");
-                return element.check().fault(attribute.range(), message);
+                return element.check.fault(attribute.range(), message);
             }
             found = Some(match key {
                 "quat" => from_quaternion(element, &attribute)?,
@@ -210,7 +210,7 @@ impl<'a> Settings<'a> {
                     let axis = Vector3::new(x, y, z);
                     if axis.norm() == 0.0 {
                         let message = "axisangle has the zero vector as its axis, expected a direction";
-                        return element.check().fault(attribute.range_value(), message);
+                        return element.check.fault(attribute.range_value(), message);
                     }
                     // z onto the axis, turn, and back.
                     let (to, (s, c)) = (turn_z_to(&axis.normalize()), self.sincos(angle));
@@ -223,7 +223,7 @@ impl<'a> Settings<'a> {
                     let z = x.cross(&y);
                     if z.norm() == 0.0 {
                         let message = "xyaxes are parallel, expected two directions";
-                        return element.check().fault(attribute.range_value(), message);
+                        return element.check.fault(attribute.range_value(), message);
                     }
                     let (x, z) = (x.normalize(), z.normalize());
                     Matrix3::from_columns(&[x, z.cross(&x), z])
@@ -255,7 +255,7 @@ fn from_quaternion<'a>(element: Element<'a>, quat: &Attribute<'a, 'a>) -> Result
     let q = element.numbers_of::<4>(quat)?;
     let norm = q.iter().map(|x| x * x).sum::<f64>();
     if norm == 0.0 {
-        return element.check().fault(quat.range_value(), "quat is zero, expected a rotation");
+        return element.check.fault(quat.range_value(), "quat is zero, expected a rotation");
     }
     let [w, x, y, z] = q;
     // Scaled by 2 / |q|², so that the quaternion need not be a unit one.

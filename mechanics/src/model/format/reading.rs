@@ -26,17 +26,12 @@ pub(super) fn read<T: DeserializeOwned>(text: &str) -> Result<T, FormatError> {
 /// The checks of one text.
 #[derive(Clone, Copy)]
 pub(super) struct Check<'a> {
-    text: &'a str,
+    pub(super) text: &'a str,
 }
 
 impl<'a> Check<'a> {
     pub(super) fn new(text: &'a str) -> Self {
         Self { text }
-    }
-
-    /// The text itself.
-    pub(super) fn text(&self) -> &'a str {
-        self.text
     }
 
     pub(super) fn fault<T>(&self, span: Range<usize>, message: impl Into<String>) -> Result<T, FormatError> {
@@ -65,33 +60,28 @@ impl<'a> Check<'a> {
     }
 
     pub(super) fn finite(&self, key: &str, number: &Number) -> Result<f64, FormatError> {
-        let value = *number.get_ref();
-        if value.is_finite() {
-            Ok(value)
-        } else {
-            self.fault(number.span(), format!("{key} is {value}, expected a finite number"))
-        }
+        self.held(key, number, f64::is_finite, "a finite number")
     }
 
     pub(super) fn positive(&self, key: &str, number: &Number) -> Result<f64, FormatError> {
-        let value = self.finite(key, number)?;
-        if value > 0.0 {
-            Ok(value)
-        } else {
-            self.fault(number.span(), format!("{key} is {value}, expected a number above zero"))
-        }
+        self.finite(key, number)?;
+        self.held(key, number, |x| x > 0.0, "a number above zero")
     }
 
     pub(super) fn not_negative(&self, key: &str, number: &Number) -> Result<f64, FormatError> {
-        let value = self.finite(key, number)?;
-        if value >= 0.0 {
-            Ok(value)
-        } else {
-            self.fault(number.span(), format!("{key} is {value}, expected a number not below zero"))
-        }
+        self.finite(key, number)?;
+        self.held(key, number, |x| x >= 0.0, "a number not below zero")
     }
 
-    /// A list of exactly `N` finite numbers.
+    /// The number, if it `holds`.
+    fn held(&self, key: &str, number: &Number, holds: fn(f64) -> bool, expected: &str) -> Result<f64, FormatError> {
+        let value = *number.get_ref();
+        if holds(value) {
+            return Ok(value);
+        }
+        self.fault(number.span(), format!("{key} is {value}, expected {expected}"))
+    }
+
     /// As [`Self::positive`]; `otherwise` where the key is not stated.
     pub(super) fn positive_or(&self, key: &str, number: &Option<Number>, otherwise: f64) -> Result<f64, FormatError> {
         number.as_ref().map_or(Ok(otherwise), |number| self.positive(key, number))
@@ -107,6 +97,7 @@ impl<'a> Check<'a> {
         number.as_ref().map_or(Ok(otherwise), |number| self.not_negative(key, number))
     }
 
+    /// A list of exactly `N` finite numbers.
     pub(super) fn numbers<const N: usize>(&self, key: &str, row: &Row) -> Result<[f64; N], FormatError> {
         let found = row.get_ref();
         if found.len() != N {

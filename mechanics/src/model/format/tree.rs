@@ -125,7 +125,7 @@ pub(super) struct Body {
     /// Pose of its frame in the parent's, at zero.
     pub(super) placement: Placement,
     /// The joint that carries it and by how much its angles were off the right ones that they are read as, rad.
-    pub(super) snapped: Option<(String, f64)>,
+    pub(super) snapped: Option<SnappedJoint>,
     pub(super) connection: Connection,
     /// In its own frame; a fault that counts only where the body moves.
     pub(super) inertia: Result<Inertia, FormatError>,

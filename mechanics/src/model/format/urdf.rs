@@ -18,7 +18,7 @@ use super::collision::{Geometry, read_geometry};
 use super::element::{Element, NearlyRight, parse_xml, snapped_direction, snapped_sincos, turn_z_to};
 use super::error::FormatError;
 use super::reading::STANDARD_GRAVITY;
-use super::tree::{Body, ChainEnds, Connection, ImportedModel, MovingJoint, Tree, moved};
+use super::tree::{Body, ChainEnds, Connection, ImportedModel, MovingJoint, SnappedJoint, Tree, moved};
 use crate::model::joint::{JointKind, Limits};
 use crate::model::parameters::DriveParameters;
 use crate::spatial::{Inertia, Placement};
@@ -78,7 +78,7 @@ pub(super) fn read_tree<'a>(root: Element<'a>, text: &str, nearly: NearlyRight) 
         let name = link.required("name")?;
         if names.contains(&name.value()) {
             let message = format!("link \"{}\" is there twice, expected it once", name.value());
-            return root.check().fault(name.range_value(), message);
+            return root.check.fault(name.range_value(), message);
         }
         names.push(name.value());
     }
@@ -97,7 +97,7 @@ pub(super) fn read_tree<'a>(root: Element<'a>, text: &str, nearly: NearlyRight) 
         }
     }
     Ok(Tree {
-        check: root.check(),
+        check: root.check,
         at: root.span(),
         name: root.attribute("name").map_or("unnamed", |name| name.value()).to_owned(),
         gravity: Vector3::from(STANDARD_GRAVITY),
@@ -181,7 +181,7 @@ impl<'a> UrdfJoint<'a> {
             links.iter().position(|name| *name == link.value()).map_or_else(
                 || {
                     let message = format!("{tag} link \"{}\" is not there, expected one of the links", link.value());
-                    element.check().fault(link.range_value(), message)
+                    element.check.fault(link.range_value(), message)
                 },
                 Ok,
             )
@@ -207,10 +207,10 @@ impl<'a> UrdfJoint<'a> {
     }
 
     /// Its name and the largest angle by which it was off what it is read as, rad.
-    fn snapped(&self) -> Result<Option<(String, f64)>, FormatError> {
+    fn snapped(&self) -> Result<Option<SnappedJoint>, FormatError> {
         let moves = self.element.required("type")?.value() != "fixed";
         let off = if moves { self.off.max(self.axis()?.1) } else { self.off };
-        Ok((off > 0.0).then(|| (self.name.clone(), off)))
+        Ok((off > 0.0).then(|| SnappedJoint { name: self.name.clone(), angle_rad: off }))
     }
 
     fn connection(&self, remarks: &mut Vec<String>) -> Result<Connection, FormatError> {
@@ -236,7 +236,7 @@ impl<'a> UrdfJoint<'a> {
                 let message = format!(
                     "joint type is \"{other}\", expected revolute, continuous, prismatic, fixed, floating or planar"
                 );
-                return self.element.check().fault(kind.range_value(), message);
+                return self.element.check.fault(kind.range_value(), message);
             }
         };
         let (axis, _) = self.axis()?;
@@ -262,7 +262,7 @@ impl<'a> UrdfJoint<'a> {
             let [value] = limit.numbers_of::<1>(&attribute)?;
             if value < 0.0 {
                 let message = format!("{key} is {value}, expected a number not below zero");
-                return self.element.check().fault(attribute.range_value(), message);
+                return self.element.check.fault(attribute.range_value(), message);
             }
             if value > 0.0 {
                 *slot = value;
