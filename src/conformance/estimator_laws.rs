@@ -116,14 +116,14 @@ impl Setting {
 
     fn check(&self, law: EstimatorLaw, estimator: &dyn Estimator) -> Result<(), LawError> {
         match law {
-            EstimatorLaw::Recovery => self.recovery(estimator),
-            EstimatorLaw::TorqueUnits => self.torque_units(estimator),
-            EstimatorLaw::ParameterUnits => self.parameter_units(estimator),
-            EstimatorLaw::TooFewEquations => self.too_few(estimator),
-            EstimatorLaw::Determinism => self.determinism(estimator),
-            EstimatorLaw::Report => self.report(estimator),
-            EstimatorLaw::Misfit => self.misfit(estimator),
-            EstimatorLaw::Coverage => self.coverage(estimator),
+            EstimatorLaw::Recovery => self.recovery(law, estimator),
+            EstimatorLaw::TorqueUnits => self.torque_units(law, estimator),
+            EstimatorLaw::ParameterUnits => self.parameter_units(law, estimator),
+            EstimatorLaw::TooFewEquations => self.too_few(law, estimator),
+            EstimatorLaw::Determinism => self.determinism(law, estimator),
+            EstimatorLaw::Report => self.report(law, estimator),
+            EstimatorLaw::Misfit => self.misfit(law, estimator),
+            EstimatorLaw::Coverage => self.coverage(law, estimator),
         }
     }
 
@@ -169,14 +169,12 @@ impl Setting {
         self.estimate(estimator, &observation, samples).map_err(|error| refused(law, &error))
     }
 
-    fn recovery(&self, estimator: &dyn Estimator) -> Result<(), LawError> {
-        let law = EstimatorLaw::Recovery;
+    fn recovery(&self, law: EstimatorLaw, estimator: &dyn Estimator) -> Result<(), LawError> {
         let found = self.made(law, estimator, &self.exact)?;
         LawError::unless_at_most(law.sentence(), (found.beta() - &self.beta).norm() / self.beta.norm(), RECOVERY)
     }
 
-    fn torque_units(&self, estimator: &dyn Estimator) -> Result<(), LawError> {
-        let law = EstimatorLaw::TorqueUnits;
+    fn torque_units(&self, law: EstimatorLaw, estimator: &dyn Estimator) -> Result<(), LawError> {
         let samples = self.noisy(0);
         let factor = 1000.0;
         let mut scaled = samples.clone();
@@ -187,8 +185,7 @@ impl Setting {
         same(law, &own, &other, |_| factor)
     }
 
-    fn parameter_units(&self, estimator: &dyn Estimator) -> Result<(), LawError> {
-        let law = EstimatorLaw::ParameterUnits;
+    fn parameter_units(&self, law: EstimatorLaw, estimator: &dyn Estimator) -> Result<(), LawError> {
         let samples = self.noisy(0);
         let observation = self.observation(law, &samples)?;
         let factor = |j: usize| [1e-3, 1.0, 1e3][j % 3];
@@ -203,8 +200,7 @@ impl Setting {
         same(law, &of(&observation)?, &of(&scaled)?, |j| 1.0 / factor(j))
     }
 
-    fn too_few(&self, estimator: &dyn Estimator) -> Result<(), LawError> {
-        let law = EstimatorLaw::TooFewEquations;
+    fn too_few(&self, law: EstimatorLaw, estimator: &dyn Estimator) -> Result<(), LawError> {
         let mut observation = self.observation(law, &self.exact)?;
         for row in self.base.rank() - 1..observation.y.len() {
             observation.used[row] = false;
@@ -216,15 +212,13 @@ impl Setting {
         LawError::unless(law.sentence(), answer.is_err(), "an estimate", "an error")
     }
 
-    fn determinism(&self, estimator: &dyn Estimator) -> Result<(), LawError> {
-        let law = EstimatorLaw::Determinism;
+    fn determinism(&self, law: EstimatorLaw, estimator: &dyn Estimator) -> Result<(), LawError> {
         let samples = self.noisy(0);
         let (first, second) = (self.made(law, estimator, &samples)?, self.made(law, estimator, &samples)?);
         LawError::unless(law.sentence(), first == second, "another estimate", "the same bits")
     }
 
-    fn report(&self, estimator: &dyn Estimator) -> Result<(), LawError> {
-        let law = EstimatorLaw::Report;
+    fn report(&self, law: EstimatorLaw, estimator: &dyn Estimator) -> Result<(), LawError> {
         let found = self.made(law, estimator, &self.noisy(0))?;
         let unless =
             |holds: bool, what: String, expected: &'static str| LawError::unless(law.sentence(), holds, what, expected);
@@ -255,8 +249,7 @@ impl Setting {
         unless(found.termination.was_successful(), format!("{:?}", found.termination), "a successful termination")
     }
 
-    fn misfit(&self, estimator: &dyn Estimator) -> Result<(), LawError> {
-        let law = EstimatorLaw::Misfit;
+    fn misfit(&self, law: EstimatorLaw, estimator: &dyn Estimator) -> Result<(), LawError> {
         let mut samples = self.noisy(0);
         // A torque that no column has: a ripple over joint 1.
         for k in 0..samples.len() {
@@ -274,8 +267,7 @@ impl Setting {
         )
     }
 
-    fn coverage(&self, estimator: &dyn Estimator) -> Result<(), LawError> {
-        let law = EstimatorLaw::Coverage;
+    fn coverage(&self, law: EstimatorLaw, estimator: &dyn Estimator) -> Result<(), LawError> {
         let (mut covered, mut all) = (0_u32, 0_u32);
         for run in 0..EXPERIMENTS {
             let found = self.made(law, estimator, &self.noisy(run))?;

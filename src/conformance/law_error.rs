@@ -11,40 +11,7 @@ pub struct LawError {
     /// What was found.
     pub found: String,
     /// What the law asks for.
-    pub expected: Requirement,
-}
-
-/// What a law asks for.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Requirement {
-    /// A number not above this one.
-    AtMost(f64),
-    /// What the law says in words.
-    Words(&'static str),
-    /// A value that follows from the case at hand, written out.
-    Value(String),
-}
-
-impl fmt::Display for Requirement {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::AtMost(most) => write!(f, "at most {most:.3e}"),
-            Self::Words(words) => f.write_str(words),
-            Self::Value(value) => f.write_str(value),
-        }
-    }
-}
-
-impl From<&'static str> for Requirement {
-    fn from(words: &'static str) -> Self {
-        Self::Words(words)
-    }
-}
-
-impl From<String> for Requirement {
-    fn from(value: String) -> Self {
-        Self::Value(value)
-    }
+    pub expected: String,
 }
 
 impl LawError {
@@ -53,12 +20,12 @@ impl LawError {
         if value <= most {
             Ok(())
         } else {
-            Err(Self { law, found: format!("{value:.3e}"), expected: Requirement::AtMost(most) })
+            Err(Self { law, found: format!("{value:.3e}"), expected: format!("at most {most:.3e}") })
         }
     }
 
     /// Breaks by an error where something is expected.
-    pub(super) fn failed(law: &'static str, fault: &impl fmt::Display, expected: impl Into<Requirement>) -> Self {
+    pub(super) fn failed(law: &'static str, fault: &impl fmt::Display, expected: impl Into<String>) -> Self {
         Self { law, found: fault.to_string(), expected: expected.into() }
     }
 
@@ -67,7 +34,7 @@ impl LawError {
         law: &'static str,
         holds: bool,
         found: impl Into<String>,
-        expected: impl Into<Requirement>,
+        expected: impl Into<String>,
     ) -> Result<(), Self> {
         if holds { Ok(()) } else { Err(Self { law, found: found.into(), expected: expected.into() }) }
     }

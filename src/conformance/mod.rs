@@ -12,4 +12,4 @@ mod law_error;
 
 pub use crate::estimation::StiffLoop;
 pub use armid_mechanics::chains;
-pub use law_error::{LawError, Requirement};
+pub use law_error::LawError;

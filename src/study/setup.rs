@@ -277,8 +277,8 @@ impl StudySetup {
             .with_robot(&self.robot)
             .with_nominal(&self.nominal)
             .with_samples(samples)
-            .with_closed_loop(processed.closed_loop.as_deref())
-            .with_observer(observer);
+            .with_closed_loop(processed.closed_loop.as_deref());
+        let problem = EstimationProblem { observer, ..problem };
         let estimate =
             |estimator: &Arc<dyn Estimator>| estimator.estimate(&problem).map_err(|fault| RunError::estimator(&fault));
         self.estimators.iter().map(estimate).collect()

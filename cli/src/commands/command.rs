@@ -34,51 +34,29 @@ pub(crate) enum Command {
     Topic(topic::Topic),
 }
 
-impl Command {
-    /// What it writes, and so what `-o` may be.
-    const fn writes(&self) -> Writes {
-        match self {
-            Self::Robot(_)
-            | Self::Reduce(_)
-            | Self::Dynamics(_)
-            | Self::Monitor(_)
-            | Self::Identify(_)
-            | Self::Validate(_)
-            | Self::Controller(_)
-            | Self::Doctor(_)
-            | Self::Completions(_)
-            | Self::Topic(_) => Writes::Answer,
-            Self::Design(_) | Self::Trajectory(_) | Self::Export(_) => Writes::Text,
-            Self::Run(_) => Writes::Recording,
-            Self::Calibrate(_) => Writes::Several,
-            Self::Advise(_) | Self::Agree(_) | Self::Init(_) | Self::Study(_) | Self::Report(_) => Writes::Folder,
-        }
-    }
-}
-
-/// Does it.
+/// Does it, with `-o` as what the command writes.
 pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
-    let console = &console.writing(command.writes())?;
+    let on = |writes: Writes| console.writing(writes);
     match command {
-        Command::Advise(arguments) => advise::run(&arguments, console),
-        Command::Agree(arguments) => agree::run(&arguments, console),
-        Command::Robot(arguments) => robot::run(&arguments, console),
-        Command::Init(arguments) => init::run(&arguments, console),
-        Command::Reduce(arguments) => reduce::run(&arguments, console),
-        Command::Dynamics(arguments) => dynamics::run(&arguments, console),
-        Command::Design(arguments) => design::run(&arguments, console),
-        Command::Trajectory(arguments) => trajectory::run(&arguments, console),
-        Command::Calibrate(arguments) => calibrate::run(&arguments, console),
-        Command::Run(arguments) => run::run(&arguments, console),
-        Command::Monitor(arguments) => monitor::run(&arguments, console),
-        Command::Identify(arguments) => identify::run(&arguments, console),
-        Command::Validate(arguments) => validate::run(&arguments, console),
-        Command::Export(arguments) => export::run(&arguments, console),
-        Command::Study(arguments) => study::run(&arguments, console),
-        Command::Report(arguments) => report::run(&arguments, console),
-        Command::Controller(arguments) => controller::run(&arguments, console),
-        Command::Doctor(arguments) => doctor::run(&arguments, console),
-        Command::Completions(arguments) => completions::run(&arguments, console),
-        Command::Topic(topic) => topic::run(&topic, console),
+        Command::Advise(arguments) => advise::run(&arguments, &on(Writes::Folder)?),
+        Command::Agree(arguments) => agree::run(&arguments, &on(Writes::Folder)?),
+        Command::Robot(arguments) => robot::run(&arguments, &on(Writes::Answer)?),
+        Command::Init(arguments) => init::run(&arguments, &on(Writes::Folder)?),
+        Command::Reduce(arguments) => reduce::run(&arguments, &on(Writes::Answer)?),
+        Command::Dynamics(arguments) => dynamics::run(&arguments, &on(Writes::Answer)?),
+        Command::Design(arguments) => design::run(&arguments, &on(Writes::Text)?),
+        Command::Trajectory(arguments) => trajectory::run(&arguments, &on(Writes::Text)?),
+        Command::Calibrate(arguments) => calibrate::run(&arguments, &on(Writes::Several)?),
+        Command::Run(arguments) => run::run(&arguments, &on(Writes::Recording)?),
+        Command::Monitor(arguments) => monitor::run(&arguments, &on(Writes::Answer)?),
+        Command::Identify(arguments) => identify::run(&arguments, &on(Writes::Answer)?),
+        Command::Validate(arguments) => validate::run(&arguments, &on(Writes::Answer)?),
+        Command::Export(arguments) => export::run(&arguments, &on(Writes::Text)?),
+        Command::Study(arguments) => study::run(&arguments, &on(Writes::Folder)?),
+        Command::Report(arguments) => report::run(&arguments, &on(Writes::Folder)?),
+        Command::Controller(arguments) => controller::run(&arguments, &on(Writes::Answer)?),
+        Command::Doctor(arguments) => doctor::run(&arguments, &on(Writes::Answer)?),
+        Command::Completions(arguments) => completions::run(&arguments, &on(Writes::Answer)?),
+        Command::Topic(topic) => topic::run(&topic, &on(Writes::Answer)?),
     }
 }

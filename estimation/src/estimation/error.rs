@@ -99,18 +99,13 @@ pub enum EstimationError {
 }
 
 /// The error of an estimator from outside. Two are equal if they are the same one.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{0}")]
 pub struct ExternalError(Arc<dyn Error + Send + Sync>);
 
 impl PartialEq for ExternalError {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
-    }
-}
-
-impl fmt::Display for ExternalError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
     }
 }
 

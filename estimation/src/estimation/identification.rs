@@ -216,7 +216,8 @@ impl Identification {
         let equations = Factorisation::new(&observation)?;
         let omitted = if self.tests_laws { omitted_torque(&self.robot, &equations, samples)? } else { None };
         let equations = equations.with_omitted(omitted);
-        let problem = self.problem(&observation, samples).with_factorisation(&equations).with_observer(observer);
+        let problem = self.problem(&observation, samples).with_factorisation(&equations);
+        let problem = EstimationProblem { observer, ..problem };
         let estimated = |estimator: &&dyn Estimator| {
             let found = match estimator.estimate(&problem) {
                 Err(EstimationError::Interrupted) => {

@@ -91,13 +91,6 @@ impl<'a> EstimationProblem<'a> {
         self
     }
 
-    /// With who watches it.
-    #[must_use]
-    pub const fn with_observer(mut self, observer: &'a dyn Observer) -> Self {
-        self.observer = observer;
-        self
-    }
-
     /// Reports the steps of an iteration so far, of `total` at most. The termination of one that is to end here.
     pub fn ended_after(&self, iterations: usize, total: usize) -> Option<Termination> {
         let seen = self.observer.observe(Progress { work: Work::Steps, done: iterations, total });

@@ -10,7 +10,9 @@ use armid::trajectory::{ConstantSpeedTrajectory, PeriodicTrajectory};
 use armid_io::output::pretty;
 use armid_io::recording::{FileSink, McapSink, check_free};
 use armid_io::{Error, LoadedRobot, Log, output};
-use armid_reports::{Figure, ScatterFigure};
+use armid_reports::{
+    Axis, Figure, GroupStyle, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint,
+};
 use armid_sim::Engine;
 use miette::Result;
 use serde_json::Value;
@@ -192,6 +194,23 @@ impl Bench {
     /// Name of the joint.
     pub(super) fn joint_name(&self) -> &str {
         &self.loaded.robot.joints()[self.joint].name
+    }
+
+    /// Points of this joint, and the line that was fitted to them.
+    pub(super) fn figure(
+        &self,
+        heading: Heading,
+        [x, y]: [Axis; 2],
+        (label, points): (&str, Vec<ScatterPoint>),
+        line: Reference,
+    ) -> ScatterFigure {
+        let group = ScatterGroup { label: label.to_owned(), style: GroupStyle::nth(0), points };
+        let subtitle = format!("{}, joint \"{}\"", self.loaded.robot.name(), self.joint_name());
+        ScatterFigure {
+            heading: heading.subtitle(subtitle),
+            columns: 1,
+            panels: vec![ScatterPanel { title: String::new(), x, y, groups: vec![group], references: vec![line] }],
+        }
     }
 
     /// `<stem>.<ending>`

@@ -2,7 +2,7 @@
 
 use armid::calibration::{Friction, friction};
 use armid_io::Error;
-use armid_reports::{Axis, GroupStyle, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};
+use armid_reports::{Axis, Heading, Reference, ScatterFigure, ScatterPoint};
 use miette::Result;
 use serde_json::json;
 
@@ -82,21 +82,20 @@ fn figure(found: &Friction, bench: &Bench) -> ScatterFigure {
         .points
         .iter()
         .map(|p| ScatterPoint::new(p.speed, p.friction.value).interval(p.friction.ci95[0], p.friction.ci95[1]));
-    ScatterFigure {
-        heading: Heading::new("friction", "Friction grows with speed along a straight line")
-            .subtitle(format!("{}, joint \"{}\"", bench.loaded.robot.name(), bench.joint_name()))
-            .caption("Points: half the difference of the efforts there and back over the same positions, with 95 % intervals. Line: Fc + Fv v."),
-        columns: 1,
-        panels: vec![ScatterPanel {
-            title: String::new(),
-            x: Axis::linear("speed of the joint", format!("{}/s", kind.unit())).including(&[0.0]),
-            y: Axis::linear("friction", kind.effort_unit()),
-            groups: vec![ScatterGroup { label: "speeds".into(), style: GroupStyle::nth(0), points: points.collect() }],
-            references: vec![Reference::Segment {
-                from: at(0.0),
-                to: at(fastest),
-                label: format!("{:.3} + {:.3} v", found.coulomb.value, found.viscous.value),
-            }],
-        }],
-    }
+    let heading = Heading::new("friction", "Friction grows with speed along a straight line")
+        .caption("Points: half the difference of the efforts there and back over the same positions, with 95 % intervals. Line: Fc + Fv v.");
+    let line = Reference::Segment {
+        from: at(0.0),
+        to: at(fastest),
+        label: format!("{:.3} + {:.3} v", found.coulomb.value, found.viscous.value),
+    };
+    bench.figure(
+        heading,
+        [
+            Axis::linear("speed of the joint", format!("{}/s", kind.unit())).including(&[0.0]),
+            Axis::linear("friction", kind.effort_unit()),
+        ],
+        ("speeds", points.collect()),
+        line,
+    )
 }

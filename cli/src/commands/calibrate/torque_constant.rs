@@ -2,7 +2,7 @@
 
 use armid::calibration::{BackEmf, CalibrationError, Resistance, back_emf};
 use armid_io::Error;
-use armid_reports::{Axis, GroupStyle, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};
+use armid_reports::{Axis, Heading, Reference, ScatterFigure, ScatterPoint};
 use miette::Result;
 use serde_json::json;
 
@@ -107,21 +107,17 @@ fn figure(found: &BackEmf, bench: &Bench) -> ScatterFigure {
     let constant = found.torque_constant;
     let end = |side: f64| (side * fastest, side * fastest * constant.value);
     let points = found.points.iter().map(|point| ScatterPoint::new(point.speed, point.voltage));
-    ScatterFigure {
-        heading: Heading::new("back-emf", "The back-EMF is a straight line through zero whose slope is the torque constant")
-            .subtitle(format!("{}, joint \"{}\"", bench.loaded.robot.name(), bench.joint_name()))
-            .caption("Points: windows of 50 ms; terminal voltage less the shares of resistance, inductance and brushes. Line: the estimate."),
-        columns: 1,
-        panels: vec![ScatterPanel {
-            title: String::new(),
-            x: Axis::linear("speed of the motor", "rad/s"),
-            y: Axis::linear("back-EMF", "V"),
-            groups: vec![ScatterGroup { label: "windows".into(), style: GroupStyle::nth(0), points: points.collect() }],
-            references: vec![Reference::Segment {
-                from: end(-1.0),
-                to: end(1.0),
-                label: format!("Kt = {:.5} ± {:.5} N·m/A", constant.value, constant.ci95[1] - constant.value),
-            }],
-        }],
-    }
+    let heading = Heading::new("back-emf", "The back-EMF is a straight line through zero whose slope is the torque constant")
+        .caption("Points: windows of 50 ms; terminal voltage less the shares of resistance, inductance and brushes. Line: the estimate.");
+    let line = Reference::Segment {
+        from: end(-1.0),
+        to: end(1.0),
+        label: format!("Kt = {:.5} ± {:.5} N·m/A", constant.value, constant.ci95[1] - constant.value),
+    };
+    bench.figure(
+        heading,
+        [Axis::linear("speed of the motor", "rad/s"), Axis::linear("back-EMF", "V")],
+        ("windows", points.collect()),
+        line,
+    )
 }
