@@ -75,7 +75,10 @@ fn every_line_of_ones_own_robot_in_ten_minutes_is_executed() {
         assert!(of_each.len() == 6 && of_each.iter().all(|x| (1e-9..1e-2).contains(x)), "{key}: {of_each:?}");
     }
     let text = stdout(&run(&export.replace("again", "once-more"), folder.path()).success());
-    assert!(text.contains("up to 3.7e-6 rad off right ones (joint_2,") && text.contains("of a joint's torque"), "{text}");
+    assert!(
+        text.contains("up to 3.7e-6 rad off right ones (joint_2,") && text.contains("of a joint's torque"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -151,7 +151,8 @@ impl Evidence<'_> {
         for (family, score) in scores.iter_mut().enumerate() {
             let units = self.units_of(family, runs, logs).values();
             score.values[place] = (!units.is_empty()).then(|| libm::exp(mean(&units)));
-            score.intervals[place] = t_interval(&units, LEVEL).filter(|of| of.low.is_finite()).map(Interval::exponentiated);
+            score.intervals[place] =
+                t_interval(&units, LEVEL).filter(|of| of.low.is_finite()).map(Interval::exponentiated);
         }
     }
 
