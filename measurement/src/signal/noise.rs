@@ -197,6 +197,7 @@ mod tests {
         let w = DMatrix::from_fn(n * count, 3, |i, j| libm::sin((3 * i + 5 * j) as f64));
         for wraps in [false, true] {
             let noise = NoiseModel { lags: lags.to_vec(), weights: vec![1.0; 3], wraps, degrees_of_freedom: 1.0 };
+            assert_eq!(noise.dof(), n);
             let mut whole = DMatrix::zeros(n * count, n * count);
             for k in 0..count {
                 for (l, r) in lags.iter().enumerate() {

@@ -326,4 +326,20 @@ mod tests {
         assert!(scattered(0.0).is_noise_free() && scattered(1e-5).is_noise_free());
         assert!(!scattered(1e-4).is_noise_free());
     }
+
+    #[test]
+    fn analytic_means_of_blocks_and_a_low_pass_keep_what_is_constant() {
+        let mut states = States::new(1);
+        (0..100).for_each(|_| states.push(&[0.0], &[0.0], &[0.0]));
+        let plain = Samples::exact(states, vec![3.0; 100], vec!["N·m".to_owned()], 100.0);
+        let in_blocks = Samples { block: 4, torque_band_hz: Some(20.0), ..plain };
+        let ramp: Vec<f64> = (0..100).map(f64::from).collect();
+        let means = in_blocks.block_means(&ramp, 1);
+        assert!(
+            means.len() == 25 && means.iter().enumerate().all(|(k, mean)| *mean == 4.0 * k as f64 + 1.5),
+            "{means:?}"
+        );
+        let filtered = in_blocks.filtered_as_torque(vec![3.0; 100]).unwrap();
+        assert!(filtered.len() == 100 && filtered.iter().all(|tau| (tau - 3.0).abs() < 1e-9), "{filtered:?}");
+    }
 }

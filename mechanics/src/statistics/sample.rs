@@ -78,4 +78,10 @@ mod tests {
         }
         assert_eq!(quantile(&[], 0.5), None);
     }
+
+    #[test]
+    fn analytic_the_root_mean_square_of_3_and_4_is_that_of_12_5() {
+        assert_eq!(root_mean_square(&[3.0, -4.0]), 12.5_f64.sqrt());
+        assert_eq!(root_mean_square(&[]), 0.0);
+    }
 }

@@ -211,7 +211,10 @@ mod tests {
         assert!(peaks.len() > 10 && rows.len() > peaks.len(), "{} {}", peaks.len(), rows.len());
         assert!(peaks.iter().any(|peak| peak.segment != Segment::Period));
         let squares: Vec<usize> = (0..limits.channels.len()).filter(|&c| limits.mean_squares[c] > NEAR).collect();
-        for (r, SmoothRow { row, .. }) in rows.iter().enumerate() {
+        for (r, SmoothRow { row, limit, .. }) in rows.iter().enumerate() {
+            // Of each channel: its lower peaks, its upper ones, its mean square.
+            let of_peak = |peak: &Peak| 3 * peak.channel + usize::from(peak.sign > 0.0);
+            assert_eq!(*limit, peaks.get(r).map_or_else(|| 3 * squares[r - peaks.len()] + 2, of_peak), "row {r}");
             for i in (0..x.len()).step_by(9) {
                 let mut at = |h: f64| {
                     let mut moved = x.clone();
