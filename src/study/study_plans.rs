@@ -144,3 +144,15 @@ impl StudyPlan {
 fn folder_of(robot: &str) -> String {
     robot.replace(['/', '\\', ':'], "-").trim_start_matches(['.', '-']).to_owned()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::folder_of;
+
+    #[test]
+    fn a_folder_of_a_robot_is_one_name_that_is_not_hidden() {
+        assert_eq!(folder_of("crs-a460"), "crs-a460");
+        assert_eq!(folder_of("../arms/ur5/robot.toml"), "arms-ur5-robot.toml");
+        assert_eq!(folder_of(r"C:\arms\ur5.toml"), "C--arms-ur5.toml");
+    }
+}
