@@ -258,6 +258,8 @@ mod tests {
         let length: usize = rest.split(' ').next().and_then(|digits| digits.parse().ok()).expect("its length");
         let (_, stream) = text.split_once("stream\n").expect("a stream");
         assert!(stream[length..].starts_with("endstream"));
+        // The shapes are in it: words, and a dot that is not opaque.
+        assert!(stream[..length].contains("Tj") && stream[..length].contains(" gs"), "{stream}");
     }
 
     #[test]
