@@ -39,9 +39,9 @@ pub enum Bandwidth {
 /// # use armid_measurement as armid;
 /// use armid::signal::{FourierTransform, HarmonicSeries};
 /// let x: Vec<f64> = (0..16).map(|k| (std::f64::consts::TAU * 2.0 * k as f64 / 16.0).sin()).collect();
-/// let series = HarmonicSeries::new(&FourierTransform::new(16), &x, 1.0).up_to(3);
-/// let [q, qd, qdd] = series.evaluate(0.0);
-/// assert!(q.abs() < 1e-14 && (qd - 2.0 * std::f64::consts::TAU).abs() < 1e-12 && qdd.abs() < 1e-11);
+/// let transform = FourierTransform::new(16);
+/// let (q, qd, qdd) = HarmonicSeries::new(&transform, &x, 1.0).up_to(3).samples(&transform);
+/// assert!(q[0].abs() < 1e-14 && (qd[0] - 2.0 * std::f64::consts::TAU).abs() < 1e-12 && qdd[0].abs() < 1e-11);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct HarmonicSeries {

@@ -44,9 +44,10 @@ impl Line {
 /// use nalgebra::dmatrix;
 /// let mut products = ColumnProducts::new(2);
 /// products.add(3, |row, column| [[3.0, 1.0], [0.0, 2.0], [4.0, 1.0]][row][column]);
-/// assert_eq!(products.clone().finish(), dmatrix![25.0, 7.0; 7.0, 6.0]);
+/// let squares = products.clone().finish();
+/// assert_eq!(squares, dmatrix![25.0, 7.0; 7.0, 6.0]);
 /// let root = products.root().unwrap();
-/// assert!((root.tr_mul(&root) - products.finish()).amax() < 1e-14);
+/// assert!((root.tr_mul(&root) - squares).amax() < 1e-14);
 /// ```
 #[derive(Clone, Debug)]
 pub struct ColumnProducts {
