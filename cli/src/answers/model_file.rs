@@ -14,7 +14,7 @@ pub(crate) fn model_file_text(file: &ModelFile) -> String {
     if !good {
         let failed = format!(
             "failed: the error on the log of the fit is more than {limit} times that of the estimate. The file is written; its bodies \
-             and drives are fitted to the log as well as a {} can. `--to c` has every term of the estimate",
+             and drives are fitted to the log with the terms of {}. `--to c` has every term of the estimate",
             file.to.name()
         );
         text += &paragraph(&failed, 2);

@@ -20,10 +20,7 @@ pub(super) fn convergence(input: &ReportInput) -> Option<String> {
         .filter_map(|family| Some((family, spread(family)?)))
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     let name = criterion_in_words(&plan.designs[family].name);
-    Some(format!(
-        "Best three starts of each criterion agree within {} % (least: {name})",
-        significant(100.0 * worst, 2)
-    ))
+    Some(format!("Best three starts agree within {} % (least: {name})", significant(100.0 * worst, 2)))
 }
 
 /// Relative spread of the best three values; of ln det that of det^(1/p), the D-efficiency.
@@ -125,7 +122,7 @@ pub(super) fn estimators(names: &[String], over_best: &[Vec<Option<f64>>]) -> Op
     Some(format!("{} has the least error in {wins} of {} scenarios", names[best], over_best.len()))
 }
 
-/// In how many scenarios the group that is better most often is significantly better, and worse.
+/// In how many scenarios the group that is better most often has an interval below 1, and above; not adjusted for their number.
 pub(super) fn against(names: &[&str], rows: &[IntervalRow], reference: &str) -> Option<String> {
     let count = |group: usize, is: fn(&Interval) -> bool| {
         rows.iter().filter(|row| row.cells.get(group).copied().flatten().is_some_and(|cell| is(&cell))).count()
@@ -134,7 +131,11 @@ pub(super) fn against(names: &[&str], rows: &[IntervalRow], reference: &str) -> 
     let best = (0..names.len()).max_by_key(|group| (better(*group), usize::MAX - group))?;
     let worse = count(best, |cell| cell.low > 1.0);
     let name = capitalised(&criterion_in_words(names[best]));
-    Some(format!("{name} beats {reference} in {} of {} scenarios, and loses in {worse}", better(best), rows.len()))
+    Some(format!(
+        "{name} is below {reference} in {} of {} scenarios, above in {worse} (95 % intervals)",
+        better(best),
+        rows.len()
+    ))
 }
 
 /// How many of the intervals of a figure exclude 1.
@@ -179,7 +180,7 @@ mod tests {
     fn analytic_titles_count_what_excludes_one() {
         // The second group wins twice and loses once; five of six intervals exclude 1.
         let said = against(&["condition", "i-optimal"], &rows(), "D-optimal").unwrap();
-        assert_eq!(said, "I-optimal beats D-optimal in 2 of 3 scenarios, and loses in 1");
+        assert_eq!(said, "I-optimal is below D-optimal in 2 of 3 scenarios, above in 1 (95 % intervals)");
         assert_eq!(differences(&rows()), "5 of 6 intervals exclude a ratio of 1");
     }
 
