@@ -11,7 +11,7 @@
 //! ```text
 //! e ε √b κ ‖s/σ‖ ≤ 1e-4        s_i = ‖τ_i‖ + Σ_j |β_j| ‖w_ij‖,  σ_i: deviation of joint i's residual
 //! ```
-//! R̂ of long groups is a root of the columns' products ([`ColumnProducts`]) where that is harmless. Rounding moves a product by at
+//! R̂ of long groups is a root of the columns' products ([`ColumnProducts`](crate::linalg::ColumnProducts)) where that is harmless. Rounding moves a product by at
 //! most e errors ε of its columns' lengths. So it moves no estimate by more than the left side, in its own standard deviations, with
 //! the condition number κ of the equations that are weighted by 1/σ, of columns of unit length. Squares of joint i's residual change by
 //! `e ε s_i²` at most, which is bounded alike.
@@ -27,18 +27,15 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::discrepancy::Discrepancy;
+use super::entries::Entries;
 use super::error::EstimationError;
 use super::observation::Observation;
 use super::omitted::OmittedTorque;
 use super::residual::{ResidualScale, scatter_noise};
 use crate::linalg::product::add_product;
-use crate::linalg::{BlockWhitening, ColumnProducts, LeastSquares, LeastSquaresError, RowFactor, transpose_product};
+use crate::linalg::{BlockWhitening, LeastSquares, LeastSquaresError, RowFactor, transpose_product};
 use crate::signal::Samples;
 
-/// Groups of more samples than this many times their columns are replaced by their factor.
-const WORTH_FACTORING: usize = 2;
-/// Groups of more samples than this many times their columns are worth the check of what products of the columns lose.
-const WORTH_PRODUCTS: usize = 16;
 /// Standard deviations by which rounding of products may move an estimate, and share by which it may move a residual's squares.
 const HARMLESS: f64 = 1e-4;
 
@@ -136,7 +133,7 @@ impl<'a> Factorisation<'a> {
     /// Of long groups the factor by products, if there are any and rounding does no harm.
     fn by_products(observation: &'a Observation, patterns: &[(Vec<bool>, Vec<usize>)]) -> Option<Self> {
         let entries: Vec<_> = patterns.iter().map(|(used, samples)| Entries::of(observation, used, samples)).collect();
-        if !entries.iter().any(|entries| entries.fill(WORTH_PRODUCTS)) {
+        if !entries.iter().any(|entries| entries.are_worth_products()) {
             return None;
         }
         let groups = patterns
@@ -144,8 +141,7 @@ impl<'a> Factorisation<'a> {
             .zip(&entries)
             .map(|((used, _), entries)| Some(SampleGroup { used: used.clone(), rows: entries.rows_by_products()? }));
         let found = Self::of(observation, groups.collect::<Option<_>>()?, FactorisedBy::NormalEquations);
-        let errors =
-            |entries: &Entries<'_>| ColumnProducts::rounding_errors(entries.samples.len(), entries.places.len());
+        let errors = |entries: &Entries<'_>| entries.rounding_errors();
         let errors = entries.iter().map(errors).fold(0.0, f64::max);
         (found.harm(errors)? <= HARMLESS).then_some(found)
     }
@@ -334,75 +330,6 @@ impl<'a> Factorisation<'a> {
             }
         }
         LeastSquares::from_triangle(&factor.finish()).map_err(|error| self.observation.named(error))
-    }
-}
-
-/// The columns of the joints of a group that are not zero, joint by joint, each with its torque last.
-struct Entries<'a> {
-    /// Joint and column of each; the torque's column is b.
-    places: Vec<(usize, usize)>,
-    /// Each from its joint's first row on.
-    sources: Vec<&'a [f64]>,
-    samples: &'a [usize],
-    /// n and b.
-    sizes: (usize, usize),
-}
-
-impl<'a> Entries<'a> {
-    fn of(observation: &'a Observation, used: &[bool], samples: &'a [usize]) -> Self {
-        let (n, b, w) = (observation.dof, observation.regressor.ncols(), &observation.regressor);
-        let rows = w.nrows();
-        let seen = |i: usize, j: usize| samples.iter().any(|&k| w.as_slice()[j * rows + k * n + i] != 0.0);
-        let places: Vec<(usize, usize)> = (0..n)
-            .filter(|&i| used[i])
-            .flat_map(|i| (0..b).filter(move |&j| seen(i, j)).map(move |j| (i, j)).chain([(i, b)]))
-            .collect();
-        let source = |&(i, j): &(usize, usize)| {
-            if j < b { &w.as_slice()[j * rows + i..(j + 1) * rows] } else { &observation.y.as_slice()[i..] }
-        };
-        Self { sources: places.iter().map(source).collect(), places, samples, sizes: (n, b) }
-    }
-
-    /// Whether there are more samples than so many times the columns.
-    const fn fill(&self, times: usize) -> bool {
-        self.samples.len() > times * self.places.len()
-    }
-
-    fn at(&self, k: usize, entry: usize) -> f64 {
-        self.sources[entry][self.samples[k] * self.sizes.0]
-    }
-
-    /// Samples whose numbers `of(k, entry)` gives, as rows of an observation.
-    fn rows(&self, samples: usize, of: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
-        let (n, b) = self.sizes;
-        let mut rows = DMatrix::zeros(n * samples, b + 1);
-        for (entry, &(i, j)) in self.places.iter().enumerate() {
-            for k in 0..samples {
-                rows[(k * n + i, j)] = of(k, entry);
-            }
-        }
-        rows
-    }
-
-    fn rows_by_reflections(&self) -> DMatrix<f64> {
-        if !self.fill(WORTH_FACTORING) {
-            return self.rows(self.samples.len(), |k, entry| self.at(k, entry));
-        }
-        let mut factor = RowFactor::new(self.places.len());
-        factor.add(self.samples.len(), |k, entry| self.at(k, entry));
-        let factor = factor.finish();
-        self.rows(factor.nrows(), |k, entry| factor[(k, entry)])
-    }
-
-    /// By products where there are many samples; `None` where those have no root.
-    fn rows_by_products(&self) -> Option<DMatrix<f64>> {
-        if !self.fill(WORTH_PRODUCTS) {
-            return Some(self.rows_by_reflections());
-        }
-        let mut products = ColumnProducts::new(self.places.len());
-        products.add(self.samples.len(), |k, entry| self.at(k, entry));
-        let root = products.root()?;
-        Some(self.rows(root.nrows(), |k, entry| root[(k, entry)]))
     }
 }
 

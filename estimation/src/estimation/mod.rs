@@ -19,6 +19,7 @@ mod consistent_set;
 mod declared;
 mod discrepancy;
 mod drive_gains;
+mod entries;
 mod error;
 mod essential;
 mod estimate;

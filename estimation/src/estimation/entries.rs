@@ -1,0 +1,89 @@
+//! The entries of equations of like samples, as columns to be condensed into few rows.
+
+use nalgebra::DMatrix;
+
+use super::observation::Observation;
+use crate::linalg::{ColumnProducts, RowFactor};
+
+/// Groups of more samples than this many times their columns are replaced by their factor.
+const WORTH_FACTORING: usize = 2;
+/// Groups of more samples than this many times their columns are worth the check of what products of the columns lose.
+const WORTH_PRODUCTS: usize = 16;
+
+/// The columns of the joints of a group that are not zero, joint by joint, each with its torque last.
+pub(super) struct Entries<'a> {
+    /// Joint and column of each; the torque's column is b.
+    places: Vec<(usize, usize)>,
+    /// Each from its joint's first row on.
+    sources: Vec<&'a [f64]>,
+    samples: &'a [usize],
+    /// n and b.
+    sizes: (usize, usize),
+}
+
+impl<'a> Entries<'a> {
+    pub(super) fn of(observation: &'a Observation, used: &[bool], samples: &'a [usize]) -> Self {
+        let (n, b, w) = (observation.dof, observation.regressor.ncols(), &observation.regressor);
+        let rows = w.nrows();
+        let seen = |i: usize, j: usize| samples.iter().any(|&k| w.as_slice()[j * rows + k * n + i] != 0.0);
+        let places: Vec<(usize, usize)> = (0..n)
+            .filter(|&i| used[i])
+            .flat_map(|i| (0..b).filter(move |&j| seen(i, j)).map(move |j| (i, j)).chain([(i, b)]))
+            .collect();
+        let source = |&(i, j): &(usize, usize)| {
+            if j < b { &w.as_slice()[j * rows + i..(j + 1) * rows] } else { &observation.y.as_slice()[i..] }
+        };
+        Self { sources: places.iter().map(source).collect(), places, samples, sizes: (n, b) }
+    }
+
+    /// Whether there are more samples than so many times the columns.
+    const fn fill(&self, times: usize) -> bool {
+        self.samples.len() > times * self.places.len()
+    }
+
+    pub(super) const fn are_worth_products(&self) -> bool {
+        self.fill(WORTH_PRODUCTS)
+    }
+
+    /// Rounding errors of a product of two columns, as [`ColumnProducts::rounding_errors`] counts them.
+    pub(super) fn rounding_errors(&self) -> f64 {
+        ColumnProducts::rounding_errors(self.samples.len(), self.places.len())
+    }
+
+    fn at(&self, k: usize, entry: usize) -> f64 {
+        self.sources[entry][self.samples[k] * self.sizes.0]
+    }
+
+    /// Samples whose numbers `of(k, entry)` gives, as rows of an observation.
+    fn rows(&self, samples: usize, of: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
+        let (n, b) = self.sizes;
+        let mut rows = DMatrix::zeros(n * samples, b + 1);
+        for (entry, &(i, j)) in self.places.iter().enumerate() {
+            for k in 0..samples {
+                rows[(k * n + i, j)] = of(k, entry);
+            }
+        }
+        rows
+    }
+
+    pub(super) fn rows_by_reflections(&self) -> DMatrix<f64> {
+        if !self.fill(WORTH_FACTORING) {
+            return self.rows(self.samples.len(), |k, entry| self.at(k, entry));
+        }
+        let mut factor = RowFactor::new(self.places.len());
+        factor.add(self.samples.len(), |k, entry| self.at(k, entry));
+        let factor = factor.finish();
+        self.rows(factor.nrows(), |k, entry| factor[(k, entry)])
+    }
+
+    /// By products where there are many samples; `None` where those have no root.
+    pub(super) fn rows_by_products(&self) -> Option<DMatrix<f64>> {
+        if !self.fill(WORTH_PRODUCTS) {
+            return Some(self.rows_by_reflections());
+        }
+        let mut products = ColumnProducts::new(self.places.len());
+        products.add(self.samples.len(), |k, entry| self.at(k, entry));
+        let root = products.root()?;
+        Some(self.rows(root.nrows(), |k, entry| root[(k, entry)]))
+    }
+}
