@@ -73,11 +73,13 @@ pub enum FactorisedBy {
 pub struct Factorisation<'a> {
     observation: &'a Observation,
     groups: Vec<SampleGroup>,
-    by: FactorisedBy,
+    /// The method that condensed the equations.
+    pub factorised_by: FactorisedBy,
     ordinary: OnceLock<Result<LeastSquares, EstimationError>>,
     by_scatter: OnceLock<Result<Option<(BlockWhitening, LeastSquares)>, EstimationError>>,
     discrepancy: OnceLock<Result<Option<Discrepancy>, EstimationError>>,
-    omitted: Option<OmittedTorque>,
+    /// The torque of laws that the model omits, which the intervals of all its estimates include; `None` where it was not looked for.
+    pub(super) omitted: Option<OmittedTorque>,
 }
 
 /// Samples that have the same joints as equations.
@@ -129,11 +131,11 @@ impl<'a> Factorisation<'a> {
         Ok(Self::of(observation, groups, FactorisedBy::Qr))
     }
 
-    const fn of(observation: &'a Observation, groups: Vec<SampleGroup>, by: FactorisedBy) -> Self {
+    const fn of(observation: &'a Observation, groups: Vec<SampleGroup>, factorised_by: FactorisedBy) -> Self {
         Self {
             observation,
             groups,
-            by,
+            factorised_by,
             ordinary: OnceLock::new(),
             by_scatter: OnceLock::new(),
             discrepancy: OnceLock::new(),
@@ -194,21 +196,6 @@ impl<'a> Factorisation<'a> {
         beta.iter()
             .enumerate()
             .fold(squares(beta.len()).sqrt(), |sum, (j, value)| sum + value.abs() * squares(j).sqrt())
-    }
-
-    /// The method that condensed the equations.
-    pub const fn factorised_by(&self) -> FactorisedBy {
-        self.by
-    }
-
-    /// With the torque of laws that the model omits, which the intervals of all its estimates include.
-    pub(super) fn with_omitted(self, omitted: Option<OmittedTorque>) -> Self {
-        Self { omitted, ..self }
-    }
-
-    /// That torque; `None` where it was not looked for.
-    pub(super) const fn omitted(&self) -> Option<&OmittedTorque> {
-        self.omitted.as_ref()
     }
 
     /// The observation that was factored.
