@@ -147,7 +147,7 @@ impl StudyPlan {
 
 /// The estimates of several experiments as one, not yet scored.
 fn together(estimates: &[&Estimate]) -> Result<ScoredEstimate, EstimationError> {
-    let pooled = pool(estimates)?.estimate;
+    let pooled = pool(estimates, None)?.estimate;
     // The quantile of the last experiment's interval serves for all.
     let last = estimates[estimates.len() - 1];
     let quantile = last.half_width().component_div(&last.std());

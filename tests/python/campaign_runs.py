@@ -25,7 +25,10 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 ARMID = Path(os.environ["ARMID"]).resolve()
 INERTIA = {"crs-a460": "mcx2", "puma-560": "mcx2", "staubli-tx40": "mcx2", "planar-2r": "mcx2"}
 PILOT = 5
-DRIVE = {"Ia": "rotor_kg_m2", "Fv": "viscous_nm_s_rad", "Fc": "coulomb_nm", "Fo": "offset_nm"}
+DRIVE = {
+    "Ia": "rotor_kg_m2", "Fv": "viscous_nm_s_rad", "Fc": "coulomb_nm", "Fo": "offset_nm", "Fvm": "motor_viscous_nm_s_rad",
+    "Fcm": "motor_coulomb_nm",
+}
 TEN = ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"]
 
 

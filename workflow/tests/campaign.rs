@@ -2,13 +2,16 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
+use armid::experiment::{Arm, Replay};
 use armid::model::format::ChainEnds;
 use armid::observer::Unobserved;
+use armid_io::recording::{FileSink, McapSink};
 use armid_io::{LogSettings, experiment};
 use armid_workflow::campaign::{Campaign, CampaignAnswer, CampaignSettings, Outcome, Step, experiment_table};
-use armid_workflow::{SimulationSettings, simulate};
+use armid_workflow::{LogSource, SimulationSettings, simulate};
 use toml::Value;
 
 /// A campaign whose rounds take little work.
@@ -29,8 +32,11 @@ fn perform(campaign: &mut Campaign) -> bool {
     let arm =
         SimulationSettings { effects, sensing, seed: planned.seed, run: planned.run, ..SimulationSettings::default() };
     let simulated = simulate(&planned.robot, &planned.plan, &arm, &Unobserved).unwrap();
-    let log = simulated.log().process(planned.robot, &LogSettings::default()).unwrap();
-    campaign.take(&log, None, &Unobserved).unwrap();
+    let mut sink = Box::new(McapSink::new(&round.recording(), BTreeMap::new(), |_| {}));
+    let ending = Replay(simulated.recording).perform(&planned.plan, &mut *sink).unwrap();
+    let log = sink.finish(&ending, BTreeMap::new()).unwrap();
+    let (log, inputs) = LogSource::default().find(&[log], None).unwrap().process(LogSettings::default()).unwrap();
+    campaign.take(log, &inputs, &Unobserved).unwrap();
     true
 }
 

@@ -236,7 +236,7 @@ impl Arguments {
 
     fn take(&self, campaign: &mut Campaign, logs: &[PathBuf], watch: &Watch<'_>) -> Result<()> {
         let (log, inputs) = self.log_of(campaign)?.process(logs, None, HeldOut::Nothing)?;
-        Ok(campaign.take(&log, Some(inputs), watch)?)
+        Ok(campaign.take(log, &inputs, watch)?)
     }
 
     /// How logs are read: those of armid say it themselves.

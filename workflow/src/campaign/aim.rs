@@ -6,14 +6,14 @@
 //! ```
 //! C is the covariance of β̂, and G the mean square of torque on the usual evaluation motions. `eᵀ G e` for `e ~ N(0, C)` is taken for a
 //! multiple of χ² with its mean and variance (F. E. Satterthwaite, *Biometrics Bulletin* 2(6), 1946), and z is the normal quantile beside t. u is
-//! the torque that neither model nor noise explains in the last round.
+//! the torque that the model leaves beyond noise in the last round.
 
 use armid::base::BaseReduction;
-use armid::estimation::{Estimate, Finding, Measured, payload};
+use armid::estimation::{Estimate, Measured, payload};
 use armid::excitation::EvaluationMotions;
 use armid::model::{Columns, ParameterKind};
 use armid::regressor::JointTorqueRegressor;
-use armid::statistics::{chi_squared_quantile, normal_quantile, student_quantile};
+use armid::statistics::{chi_squared_quantile, mean, normal_quantile, student_quantile};
 use armid_io::{Error, LoadedRobot, suggestion};
 use nalgebra::DMatrix;
 
@@ -76,7 +76,7 @@ impl Aim {
             }
             Quantity::Payload(name) => {
                 let symbols = ParameterKind::LINK.map(|kind| kind.symbol());
-                let Some(place) = symbols.iter().position(|symbol| symbol == name) else {
+                let Some(place) = symbols.iter().position(|symbol| *symbol == name.as_str()) else {
                     return Err(unknown(&symbols, name));
                 };
                 let without =
@@ -150,21 +150,19 @@ impl Aim {
 /// What the mean square of torque, by an error with covariance `c`, exceeds with half of this probability.
 fn largest(c: &DMatrix<f64>, gram: &DMatrix<f64>, chance: f64) -> f64 {
     let both = c * gram;
-    let (mean, square) = (both.trace(), (&both * &both).trace());
-    if mean > 0.0 && square > 0.0 {
-        square / mean * chi_squared_quantile(1.0 - 0.5 * chance, mean * mean / square)
+    let (first, square) = (both.trace(), (&both * &both).trace());
+    if first > 0.0 && square > 0.0 {
+        square / first * chi_squared_quantile(1.0 - 0.5 * chance, first * first / square)
     } else {
         0.0
     }
 }
 
-/// Mean square over the joints of the torque that neither model nor noise explains.
+/// Mean square over the joints of the torque that the model leaves beyond noise.
 fn unexplained(estimate: &Estimate) -> f64 {
-    let squares = estimate.findings.iter().filter_map(|finding| match finding {
-        Finding::LackOfFit { beyond_noise_rms, .. } => Some(beyond_noise_rms * beyond_noise_rms),
-        _ => None,
-    });
-    squares.sum::<f64>() / estimate.units.len().max(1) as f64
+    let joints = estimate.residual_rms.iter().zip(&estimate.noise_std);
+    let beyond: Vec<f64> = joints.map(|(residual, noise)| (residual * residual - noise * noise).max(0.0)).collect();
+    mean(&beyond)
 }
 
 #[cfg(test)]

@@ -49,11 +49,11 @@ pub struct CampaignAnswer {
 }
 
 impl Obstacle {
-    /// What keeps a target out of reach by the last round's estimate: the law that it supports most, or else the joint whose torque is
+    /// What keeps a target out of reach by the estimate of all rounds: the law that it supports most, or else the joint whose torque is
     /// explained least.
-    pub(super) fn of(target: &Target, last: &Estimate) -> Self {
+    pub(super) fn of(target: &Target, pooled: &Estimate) -> Self {
         let strongest = |score: &dyn Fn(&Finding) -> Option<f64>| {
-            let scored = last.findings.iter().filter_map(|finding| Some((score(finding)?, finding)));
+            let scored = pooled.findings.iter().filter_map(|finding| Some((score(finding)?, finding)));
             scored.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, finding)| finding)
         };
         let law = strongest(&|finding| match finding {

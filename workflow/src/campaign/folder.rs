@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use armid::trajectory::PeriodicTrajectory;
 use armid_io::output::write_text;
 use armid_io::{Error, Text, experiment};
-use toml::{Table, Value};
+use toml::Value;
 
 use super::settings::CampaignSettings;
 use crate::set_points::{PointFormat, SetPoints};
@@ -57,6 +57,11 @@ impl Round {
     /// Its estimate: a round that has one is finished.
     pub fn estimate(&self) -> PathBuf {
         self.folder.join("E.json")
+    }
+
+    /// The estimate by the equations of all rounds so far at the same sampling.
+    pub(super) fn together(&self) -> PathBuf {
+        self.folder.join("together.json")
     }
 
     /// Writes the experiment with the designed motion, at a part of its speed. The experiment comes last: where it is, the rest is.

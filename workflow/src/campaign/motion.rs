@@ -24,8 +24,8 @@ pub(super) struct Motion<'a> {
     pub(super) loaded: &'a LoadedRobot,
     /// The targets that are not met.
     pub(super) aims: Vec<&'a Aim>,
-    /// The rounds before, with the estimate by all of them and that of the last.
-    pub(super) before: Option<(&'a [Round], &'a Estimate, &'a Estimate)>,
+    /// The rounds before, with the estimate by all of them.
+    pub(super) before: Option<(&'a [Round], &'a Estimate)>,
 }
 
 impl Motion<'_> {
@@ -35,7 +35,7 @@ impl Motion<'_> {
     /// # Errors
     /// [`Error`] where no motion is found within the limits of the arm.
     pub(super) fn write(&self, round: &Round, observer: &dyn Observer) -> Result<bool, Error> {
-        let last = self.before.and_then(|(rounds, ..)| rounds.last());
+        let last = self.before.and_then(|(rounds, _)| rounds.last());
         if let Some(last) = last.filter(|_| self.settings.repeats) {
             write_text(&round.trajectory(), &Text::read(&last.trajectory())?.content)?;
             return Ok(true);
@@ -60,7 +60,7 @@ impl Motion<'_> {
         let settings = self.settings;
         let (criterion, expected) = self.criterion();
         let goal = settings.load.map_or(DesignGoal::Arm(criterion), DesignGoal::Load);
-        let rounds = self.before.map_or(&[][..], |(rounds, ..)| rounds);
+        let rounds = self.before.map_or(&[][..], |(rounds, _)| rounds);
         DesignSettings {
             columns: self.columns,
             period_s: settings.period_s,
@@ -85,9 +85,9 @@ impl Motion<'_> {
 
     /// The criterion, and effects that it expects.
     fn criterion(&self) -> (Arc<dyn Criterion>, Effects) {
-        let Some((_, pooled, last)) = self.before else { return (CriterionKind::DOptimal.into(), Effects::none()) };
+        let Some((_, pooled)) = self.before else { return (CriterionKind::DOptimal.into(), Effects::none()) };
         let of_torque = self.aims.iter().any(|aim| aim.target.quantity == Quantity::Torque);
-        let shown = shown_effects(last);
+        let shown = shown_effects(pooled);
         if of_torque && !shown.is_none() && self.states_noise() && self.loaded.guess().is_some() {
             return (CriterionKind::MeasuredTorque.into(), shown);
         }

@@ -11,7 +11,7 @@ use armid::remedy::{Remedy, Setting};
 use armid::seed::Seed;
 use armid_io::estimate::{check_robot, read};
 use armid_io::output::{pretty, write_text};
-use armid_io::{Error, Inputs, LoadedRobot, ProcessedLog, robot};
+use armid_io::{Error, Inputs, LoadedRobot, ProcessedLog, Text, robot};
 use serde_json::json;
 use toml::Value;
 
@@ -23,6 +23,7 @@ use super::motion::Motion;
 use super::settings::CampaignSettings;
 use super::stopping::{Obstacle, Outcome, Width, chance_of_a_look, is_out_of_reach, outcome};
 use crate::identification::advice;
+use crate::log_source::LogSource;
 
 /// A campaign, with the rounds that are finished.
 #[derive(Debug)]
@@ -34,6 +35,8 @@ pub struct Campaign {
     aims: Vec<Aim>,
     rounds: Vec<Round>,
     estimates: Vec<Estimate>,
+    /// The logs that were taken; of a campaign that goes on they are read again.
+    logs: Vec<Option<ProcessedLog>>,
     /// After each round, by it and all before.
     pooled: Vec<Pooled>,
     /// Target by target, after each round.
@@ -111,6 +114,7 @@ impl Campaign {
             aims,
             rounds: Vec::new(),
             estimates: Vec::new(),
+            logs: Vec::new(),
             pooled: Vec::new(),
         };
         loop {
@@ -120,15 +124,18 @@ impl Campaign {
             }
             let estimate = read(&round.estimate())?;
             check_robot(&estimate, &round.estimate().display().to_string(), &campaign.loaded)?;
-            campaign.add(round, estimate)?;
+            let together = read(&round.together())?;
+            campaign.add(round, estimate, &together)?;
+            campaign.logs.push(None);
         }
     }
 
     /// Adds a finished round.
-    fn add(&mut self, round: Round, estimate: Estimate) -> Result<(), Error> {
+    fn add(&mut self, round: Round, estimate: Estimate, together: &Estimate) -> Result<(), Error> {
         self.estimates.push(estimate);
         let all: Vec<&Estimate> = self.estimates.iter().collect();
-        let pooled = pool(&all).map_err(|error| Error::new(format!("{}: {error}", round.estimate().display())))?;
+        let pooled = pool(&all, Some(together))
+            .map_err(|error| Error::new(format!("{}: {error}", round.estimate().display())))?;
         let chance = chance_of_a_look(self.settings.most_rounds);
         for (aim, widths) in self.aims.iter().zip(&mut self.widths) {
             widths.push(aim.width(&pooled.estimate, chance)?);
@@ -172,8 +179,7 @@ impl Campaign {
         let targets = self.aims.iter().zip(&self.widths);
         let is_open = |widths: &[Width], limit: f64| widths.last().is_none_or(|last| last.half_width > limit);
         let open = targets.filter(|(aim, widths)| is_open(widths, aim.target.limit())).map(|(aim, _)| aim).collect();
-        let before = self.pooled.last().zip(self.estimates.last());
-        let before = before.map(|(pooled, last)| (&self.rounds[..], &pooled.estimate, last));
+        let before = self.pooled.last().map(|pooled| (&self.rounds[..], &pooled.estimate));
         let Self { settings, columns, loaded, .. } = self;
         Motion { settings, columns: *columns, loaded, aims: open, before }
     }
@@ -183,13 +189,26 @@ impl Campaign {
     /// # Errors
     /// [`Error`] where the log is of another robot or shows a mistake in how it was made, or the motion in it does not show the
     /// parameters; of [`armid_io::ErrorKind::Interrupted`] where the observer ended the work.
-    pub fn take(&mut self, log: &ProcessedLog, inputs: Option<Inputs>, observer: &dyn Observer) -> Result<(), Error> {
+    pub fn take(&mut self, log: ProcessedLog, inputs: &Inputs, observer: &dyn Observer) -> Result<(), Error> {
         let round = Round::of(&self.folder, self.rounds.len() + 1)?;
         let name = log.name();
         if let Some(mistake) = log.suspicions(self.columns)?.first() {
             let message = format!("{name}: {}", mistake.mistake);
-            return Err(Error::new(message).help(advice(mistake, log)));
+            return Err(Error::new(message).help(advice(mistake, &log)));
         }
+        let estimate = self.estimate(&log, observer)?;
+        check_robot(&estimate, &name, &self.loaded)?;
+        let all = self.together(&log)?;
+        let together = self.estimate(&all, observer)?;
+        let mut value = json!(estimate);
+        value["inputs"] = json!(inputs);
+        write_text(&round.together(), &pretty(&json!(together)))?;
+        write_text(&round.estimate(), &pretty(&value))?;
+        self.logs.push(Some(log));
+        self.add(round, estimate, &together)
+    }
+
+    fn estimate(&self, log: &ProcessedLog, observer: &dyn Observer) -> Result<Estimate, Error> {
         let estimators = [EstimatorKind::Wls.estimator()];
         let made = match self.settings.without {
             // What the arm and the arm with its load have in common is in neither.
@@ -197,13 +216,26 @@ impl Campaign {
             None => log.identify_watched(self.columns, &estimators, observer)?,
         };
         let ended = |of: &Estimate| matches!(of.termination, Termination::Interrupted { .. });
-        let estimate = made.into_iter().next().filter(|of| !ended(of)).ok_or_else(|| Error::interrupted(&name))?;
-        check_robot(&estimate, &name, &self.loaded)?;
-        let mut value = json!(estimate);
-        value["inputs"] = json!(inputs);
-        let place = round.estimate();
-        self.add(round, estimate)?;
-        write_text(&place, &pretty(&value))
+        made.into_iter().next().filter(|of| !ended(of)).ok_or_else(|| Error::interrupted(&log.name()))
+    }
+
+    /// All logs so far that are sampled as the last one, as one without periods: what they say together of the laws that the model omits.
+    fn together(&mut self, last: &ProcessedLog) -> Result<ProcessedLog, Error> {
+        let is_alike = |log: &ProcessedLog| {
+            let (samples, of_last) = (&log.samples, &last.samples);
+            samples.block == of_last.block && samples.rate_hz.to_bits() == of_last.rate_hz.to_bits()
+        };
+        let mut alike = Vec::new();
+        for (log, round) in self.logs.iter_mut().zip(&self.rounds) {
+            if log.is_none() {
+                *log = Some(LogSource::default().again(&Text::read(&round.estimate())?, &[])?.0);
+            }
+            alike.extend(log.clone().filter(is_alike));
+        }
+        alike.push(last.clone());
+        let mut all = ProcessedLog::joined(alike)?;
+        (all.samples.noise, all.samples.torque_covariance) = (None, None);
+        Ok(all)
     }
 
     fn outcome(&self) -> Outcome {
@@ -232,9 +264,9 @@ impl Campaign {
         let is_met = |(aim, widths): (&Aim, &Vec<Width>)| {
             widths.last().is_some_and(|last| last.half_width <= aim.target.limit())
         };
-        let obstacles = self.estimates.last().map_or_else(Vec::new, |last| {
+        let obstacles = self.pooled.last().map_or_else(Vec::new, |last| {
             let blocked = targets().filter(|(aim, widths)| is_out_of_reach(aim.target.limit(), widths));
-            blocked.map(|(aim, _)| Obstacle::of(&aim.target, last)).collect()
+            blocked.map(|(aim, _)| Obstacle::of(&aim.target, &last.estimate)).collect()
         });
         let mut answer = CampaignAnswer {
             robot: self.loaded.robot.name().to_owned(),
