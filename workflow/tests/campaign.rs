@@ -21,7 +21,7 @@ fn settings(until: &[&str]) -> CampaignSettings {
     experiment.insert("periods".to_owned(), Value::Integer(3));
     let until = until.iter().map(|target| target.parse().unwrap()).collect();
     let usual = CampaignSettings::new(experiment, until);
-    CampaignSettings { most_rounds: 6, period_s: 4.0, harmonics: 3, starts: 1, evaluations: 40, ..usual }
+    CampaignSettings { most_rounds: 6, period_s: 4.0, starts: 1, evaluations: 40, ..usual }
 }
 
 /// Performs the next round; `false` where there is none.
@@ -61,7 +61,7 @@ fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     found
 }
 
-const REACHED: [&str; 2] = ["Fc2 <= 1 %", "torque <= 0.5 %"];
+const REACHED: [&str; 2] = ["Fc2 <= 8.5 %", "torque <= 0.6 %"];
 
 #[test]
 fn identity_a_campaign_that_is_ended_after_every_step_has_the_bytes_of_one_in_a_piece() {
@@ -98,7 +98,7 @@ fn errors_of_the_model_keep_a_target_out_of_reach_and_have_a_name() {
     let answer = whole(wanted, folder.path());
     assert_eq!(answer.outcome, Outcome::ModelError, "{answer:#?}");
     assert_eq!(answer.obstacles.len(), 1);
-    assert!(answer.obstacles[0].effect.contains("load-friction"), "{:?}", answer.obstacles);
+    assert!(answer.obstacles[0].effect.contains("load friction"), "{:?}", answer.obstacles);
 }
 
 #[test]

@@ -126,6 +126,8 @@ impl Aim {
                 Width { value, half_width: half(found), by_model_error: quiet.map_or(0.0, |of| half(Some(of))) }
             }
         };
+        // A quantile of a part may be above that of the whole, where both are of sums of squares.
+        let found = Width { by_model_error: found.by_model_error.min(found.half_width), ..found };
         Ok(if self.target.is_share { found.relative() } else { found })
     }
 
