@@ -12,7 +12,8 @@ use super::{Answer, Destination, GlobalArguments, Writes};
 /// Where answers and messages go.
 #[derive(Debug)]
 pub(crate) struct Console {
-    global: GlobalArguments,
+    /// What was asked of every command.
+    pub(crate) global: GlobalArguments,
     destination: Option<Destination>,
     terminal: bool,
 }
@@ -29,21 +30,9 @@ impl Console {
         Ok(Self { global: self.global.clone(), destination, terminal: self.terminal })
     }
 
-    /// Does a program read standard output?
-    pub(crate) fn json(&self) -> bool {
-        self.global.json
-    }
-
-    pub(crate) fn verbose(&self) -> bool {
-        self.global.verbose
-    }
-
     /// The file or folder that `-o` names, links followed.
     pub(crate) fn output(&self) -> Option<&Path> {
-        match &self.destination {
-            Some(Destination::File(path)) => Some(path),
-            Some(Destination::StandardOutput) | None => None,
-        }
+        self.destination.as_ref()?.path()
     }
 
     /// The same, or another place where there is no `-o`.
@@ -87,11 +76,11 @@ impl Console {
     /// where the name ends in `.json`, and `-o -` is that; `--json` puts JSON on standard output in either case.
     pub(crate) fn answer(&self, answer: &Answer) -> Result<()> {
         if let Some(path) = self.output() {
-            let as_json = self.json() || path.extension().is_some_and(|extension| extension == "json");
+            let as_json = self.global.json || path.extension().is_some_and(|extension| extension == "json");
             let text = if as_json { pretty(&answer.json) } else { answer.text.clone() };
             output::write_text(path, &text)?;
             self.note(format!("wrote {}", path.display()));
-            if !self.json() {
+            if !self.global.json {
                 return Ok(());
             }
         }
@@ -136,7 +125,7 @@ impl Console {
     }
 
     fn print_answer(&self, answer: &Answer) -> Result<()> {
-        if self.json() { self.print(&pretty(&answer.json)) } else { self.print(&answer.text) }
+        if self.global.json { self.print(&pretty(&answer.json)) } else { self.print(&answer.text) }
     }
 
     /// Prints a text as it is. A reader that ends early (`armid … | head`) is not an error.

@@ -57,7 +57,7 @@ pub(super) fn observe_to(
     if !regressor.needs_load() {
         return Observation::new(robot, regressor, base, samples);
     }
-    let equations = |at: Option<&DVector<f64>>| Observation::of_any_length(robot, regressor, base, samples, at);
+    let equations = |at: Option<&DVector<f64>>| Ok(Observation::stacked(robot, regressor, base, samples, at)?.0);
     let at = at_rest(base, rest, equations)?;
     Observation::checked(robot, regressor, base, samples, Some(&at))
 }
@@ -93,10 +93,8 @@ fn at_rest(
         let step = found.fit.solution() - &beta;
         let torque = &observation.regressor * &step;
         let size = torque.norm() / plain.y.norm().max(f64::MIN_POSITIVE);
-        let white = match found.weights {
-            Some(weights) => observation.white(&weights, &torque)?.norm(),
-            None => f64::INFINITY,
-        };
+        let white = |of| observation.white(&of, &torque).map(|white| white.norm());
+        let white = found.weights.map_or(Ok(f64::INFINITY), white)?;
         change = white / (base.rank().max(1) as f64).sqrt();
         if change <= rest || size <= ROUNDING {
             return Ok(beta + step);
