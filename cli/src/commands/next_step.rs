@@ -8,6 +8,7 @@ impl Command {
         match self {
             Self::Robot(_) => "`armid robot` lists the bundled robots, `armid robot crs-a460` describes one",
             Self::Advise(_) => "`armid robot ROBOT` checks the robot alone, `armid advise --help` shows examples",
+            Self::Campaign(_) => "`armid robot ROBOT` checks the robot alone, `armid campaign --help` shows examples",
             Self::Init(_) => "`armid robot ROBOT` checks the robot alone, `armid init --help` shows examples",
             Self::Agree(_) => "`armid robot ROBOT` checks the robot alone, `armid doctor` says which engines are here",
             Self::Reduce(_) => "`armid robot ROBOT` checks the robot alone, `armid reduce --help` shows examples",
