@@ -49,7 +49,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     }
     let _ = writeln!(
         text,
-        "next: fill in the gaps of robot.toml that matter, then as {} says",
+        "next: fill in the gaps that matter, then `armid robot {}`; {} has the order of work",
+        folder.join("robot.toml").display(),
         folder.join("README.md").display()
     );
     let files: Vec<String> = written.iter().map(|place| place.display().to_string()).collect();

@@ -406,7 +406,8 @@ impl fmt::Display for Finding {
             Self::Unfinished { termination } => write!(f, "the search {termination}"),
             Self::MultipleShooting { intervals, gap } => write!(
                 f,
-                "the search began by multiple shooting over {intervals} intervals, whose gaps it closed to {gap:.0e} of the motion"
+                "the search began by multiple shooting over {intervals} intervals, whose gaps it closed to {} of the motion",
+                significant(*gap, 1)
             ),
             Self::Impossible { parameters } => write!(
                 f,
