@@ -5,7 +5,7 @@ use std::fmt::Write;
 use armid::study::{Comparison, ConditionResult, FamilyScore, Metric, MotionKind, StudyResult, TruthComparison};
 use armid_workflow::study::StudySummary;
 
-use crate::terminal::{Align, Answer, Table, number};
+use crate::terminal::{Answer, Table, number};
 
 /// Rows of a table that still fit on one screen with the rest.
 const SCREEN_ROWS: usize = 12;
@@ -187,9 +187,8 @@ fn families(result: &StudyResult, rows: usize) -> Table {
 
 /// Every criterion on each kind of motion.
 fn motions(result: &StudyResult, rows: usize) -> Table {
-    let mut columns = vec![("prediction RMSE, N·m", Align::Left), ("estimator", Align::Left)];
-    columns.extend(MotionKind::ALL.map(|kind| (kind.title(), Align::Right)));
-    let mut table = Table::new(&columns);
+    let kinds = MotionKind::ALL.map(MotionKind::title).join(" | #");
+    let mut table = Table::of(&format!("prediction RMSE, N·m | estimator | #{kinds}"));
     for family in result.findings().families.iter().take(rows) {
         let mut row = vec![family.family.clone(), family.estimator.clone()];
         row.extend(Metric::OF_MOTIONS.iter().map(|&metric| value(family, metric)));

@@ -1,6 +1,5 @@
 //! `armid init`
 
-use std::fmt::Write;
 use std::path::PathBuf;
 
 use armid::input::check_file_name;
@@ -43,17 +42,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         }
     };
     let written = Starter::of_urdf(&arguments.urdf, &ends)?.write(&folder)?;
-    let mut text = String::new();
-    for place in &written {
-        let _ = writeln!(text, "{}", place.display());
-    }
-    let _ = writeln!(
-        text,
-        "next: fill in the gaps that matter, then `armid robot {}`; {} has the order of work",
-        folder.join("robot.toml").display(),
-        folder.join("README.md").display()
-    );
     let files: Vec<String> = written.iter().map(|place| place.display().to_string()).collect();
+    let [robot, readme] = ["robot.toml", "README.md"].map(|file| folder.join(file).display().to_string());
+    let next = format!("next: fill in the gaps that matter, then `armid robot {robot}`; {readme} has the order of work");
+    let text = format!("{}\n{next}\n", files.join("\n"));
     console.show(&Answer { text, json: json!({ "folder": folder.display().to_string(), "files": files }) })?;
     Ok(Ending::Done)
 }

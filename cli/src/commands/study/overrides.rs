@@ -50,10 +50,7 @@ impl Overrides {
             }
         }
         let request = Request { study: study.to_owned(), plans, beside, below: None };
-        match &self.robot {
-            Some(robot) => Ok(request.on(robot)?),
-            None => Ok(request),
-        }
+        Ok(if let Some(robot) = &self.robot { request.on(robot)? } else { request })
     }
 
     /// These overrides as words of a command line.
