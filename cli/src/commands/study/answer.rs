@@ -16,7 +16,7 @@ pub(super) fn show(answer: &StudyAnswer, console: &Console) -> Result<Ending> {
             if let Some(looks) = &whole.looks {
                 console.note(looks_text(looks).trim_end());
             }
-            console.show(&study::answer(whole, console.verbose()))?;
+            console.show(&study::answer(whole, console.global.verbose))?;
             Ok(if whole.is_positive() { Ending::Done } else { Ending::Negative })
         }
         StudyAnswer::OnRobots(answer) => {
