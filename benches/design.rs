@@ -26,7 +26,7 @@ fn main() {
                 DesignProblem::new(robot.clone(), Columns::RIGID_ROTOR_FRICTION, criterion, DesignLimits::of_motion())
                     .expect("a bundled robot has a base");
             let shares = &nominal.relative_uncertainty;
-            let spread = ParameterSpread::of(&robot, &nominal.parameters, shares, CONFIDENCE_95);
+            let spread = ParameterSpread::from_uncertainty(&robot, &nominal.parameters, shares, CONFIDENCE_95);
             let limits = DesignLimits {
                 nominal: Some(nominal.parameters.clone()),
                 spread: Some(spread),

@@ -119,7 +119,7 @@ pub(crate) fn inverse_dynamics(
     let samples = samples_of(n, [q, qd, qdd])?;
     let out = output(&mut out, &[rows, n])?;
     py.detach(|| {
-        Dynamics::new(&robot.loaded.robot, &parameters).inverse_of(samples, out);
+        Dynamics::new(&robot.loaded.robot, &parameters).inverse_of_samples(samples, out);
     });
     Ok(())
 }

@@ -108,7 +108,7 @@ pub(crate) fn samples(robot: &Robot, logs: Vec<armid_io::Log>, settings: &LogSet
 /// The columns that terms are selected from.
 fn candidates(text: &str) -> PyResult<Columns> {
     if text == "all" {
-        return Ok(candidate_terms().into_iter().fold(Columns::RIGID, Columns::with));
+        return Ok(candidate_terms().into_iter().fold(Columns::RIGID, Columns::with_term));
     }
     match Columns::parse_among(text, &candidate_terms()) {
         Some(columns) => Ok(columns),

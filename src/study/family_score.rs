@@ -124,7 +124,7 @@ impl Evidence<'_> {
         for (family, score) in scores.iter_mut().enumerate() {
             let designs = self.designs_of(family);
             let spread =
-                || Spread::of(&designs.iter().flat_map(|&design| present(&values[design])).collect::<Vec<f64>>());
+                || Spread::from_sample(&designs.iter().flat_map(|&design| present(&values[design])).collect::<Vec<f64>>());
             match metric {
                 Metric::Prediction => score.prediction_spread = spread(),
                 Metric::Reference => score.reference_spread = spread(),
@@ -223,7 +223,7 @@ impl Evidence<'_> {
             coverage,
             // Runs that share noise count as one.
             coverage_interval: share_interval(coverage, groups, LEVEL),
-            spread: Spread::of(&pooled),
+            spread: Spread::from_sample(&pooled),
         })
     }
 }

@@ -117,7 +117,7 @@ impl RandomTruths {
         // The terms of every arm first, those that this one has beside them after all others: what is drawn for the former
         // does not depend on the latter.
         let usual = Columns::default();
-        let others = usual.and_those_of(&parameters);
+        let others = usual.with_terms_of(&parameters);
         for drive in &mut parameters.drives {
             for term in usual.terms() {
                 drive[term] *= libm::exp(self.spread_of(term) * normal(rng));
@@ -136,7 +136,7 @@ impl RandomTruths {
     }
 
     fn link(&self, link: &Inertia, rng: &mut impl Rng) -> Result<Inertia, InertiaError> {
-        let own = LogCholesky::of(link)?;
+        let own = LogCholesky::from_inertia(link)?;
         let mut change = LogCholesky([0.0; 10].map(|_| self.inertia_spread * normal(rng)));
         change.0[0] = 0.5 * self.mass_spread * normal(rng);
         let drawn = own.moved(&change);

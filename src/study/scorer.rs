@@ -87,7 +87,7 @@ impl Scorer {
         let moves_torque = poses.mean_square() > NOTHING * random.mean_square();
         Self {
             truths: truths.iter().map(|truth| base.beta(&truth.vector(robot, regressor.columns()))).collect(),
-            units: DVector::from_iterator(b, base.kept.iter().map(|&c| units.of(base.parameters[c].kind))),
+            units: DVector::from_iterator(b, base.kept.iter().map(|&c| units.unit(base.parameters[c].kind))),
             ratings: robot.joints().iter().map(|joint| joint.limits.torque).collect(),
             random,
             slow: on(MotionKind::Slow),

@@ -50,7 +50,7 @@ fn setup() -> StudySetup {
 
 /// The torque of states by the regressor of every column of the parameters, which inverse dynamics has no part in.
 fn torque(robot: &Robot, parameters: &StandardParameters, states: &States) -> Vec<f64> {
-    let columns = Columns::default().and_those_of(parameters);
+    let columns = Columns::default().with_terms_of(parameters);
     let regressor = JointTorqueRegressor::with_load(robot, columns, parameters);
     (regressor.stack(states) * parameters.vector(robot, columns)).as_slice().to_vec()
 }

@@ -18,7 +18,7 @@ use crate::payload::check_apart;
 /// What helps where a gain is not shown.
 fn more() -> Remedy {
     let help = Remedy::from("a load further from the axes, a heavier one, or more motion shows more: ");
-    let help = help.perform(Task::Design, "ROBOT").with(Setting::Payload, "KG").say(" makes a motion for it; ");
+    let help = help.perform(Task::Design, "ROBOT").with_setting(Setting::Payload, "KG").say(" makes a motion for it; ");
     help.perform(Task::CalibrateTorqueConstant, "").say(" needs no load")
 }
 

@@ -109,7 +109,7 @@ fn identity_work_that_is_ended_returns_its_last_iterate_and_stops_there() {
     assert_eq!(first.estimate.beta(), second.estimate.beta());
 
     // A selection has no iterate to return.
-    let among = candidate_terms().into_iter().fold(Columns::RIGID, Columns::with);
+    let among = candidate_terms().into_iter().fold(Columns::RIGID, Columns::with_term);
     let select = IdentifySettings { select: Some(among), ..IdentifySettings::default() };
     for at in [0, 3] {
         let observer = EndAt::new(at);

@@ -49,7 +49,7 @@ const ALL_TERMS: &str = "all";
 /// Reads the terms to select from; those that are no columns, since they depend on more than the motion, are tested beside the others.
 fn candidates(text: &str) -> Result<Columns, Error> {
     if text == ALL_TERMS {
-        return Ok(candidate_terms().into_iter().fold(Columns::RIGID, Columns::with));
+        return Ok(candidate_terms().into_iter().fold(Columns::RIGID, Columns::with_term));
     }
     if let Some(columns) = Columns::parse_among(text, &candidate_terms()) {
         return Ok(columns);

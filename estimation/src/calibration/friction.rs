@@ -12,6 +12,8 @@
 //! the speed. Where friction falls as a joint starts to move (Stribeck), the slowest speeds lie above the line through the
 //! faster half.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::error::CalibrationError;
@@ -142,7 +144,8 @@ struct Pair {
 /// The segments of a joint that are followed by their way back, without their ends, by speed.
 fn pairs(motion: &ConstantSpeedTrajectory, joint: usize, rate_hz: f64) -> Vec<Pair> {
     let speed = &motion.joints[joint].speed;
-    let window = |(begin, end): (f64, f64)| ((begin * rate_hz).round() as usize, (end * rate_hz).round() as usize);
+    let sample = |t: f64| (t * rate_hz).round() as usize;
+    let window = |segment: &Range<f64>| (sample(segment.start), sample(segment.end));
     let segments = motion.segments();
     let n = motion.dof();
     let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
@@ -153,9 +156,8 @@ fn pairs(motion: &ConstantSpeedTrajectory, joint: usize, rate_hz: f64) -> Vec<Pa
     let mut pairs: Vec<Pair> = (0..speed.len().saturating_sub(1))
         .filter(|&k| speed[k] > 0.0 && speed[k + 1] == -speed[k])
         .map(|k| {
-            let (begin, end) = segments[k];
-            let way = (at(begin + SETTLING_S), at(end - SETTLING_S));
-            Pair { speed: speed[k], way, there: window(segments[k]), back: window(segments[k + 1]) }
+            let way = (at(segments[k].start + SETTLING_S), at(segments[k].end - SETTLING_S));
+            Pair { speed: speed[k], way, there: window(&segments[k]), back: window(&segments[k + 1]) }
         })
         .filter(|pair| pair.way.1 > pair.way.0 && pair.there.1 > pair.there.0 && pair.back.1 > pair.back.0)
         .collect();

@@ -283,7 +283,7 @@ mod tests {
 
     #[test]
     fn identity_friction_of_the_load_is_judged_by_the_nominal_links() {
-        let columns = Columns::RIGID_ROTOR_FRICTION.with(LOAD_FRICTION);
+        let columns = Columns::RIGID_ROTOR_FRICTION.with_term(LOAD_FRICTION);
         let trajectory = table_one::corrected().into();
         let alone =
             DesignProblem::new(chains::crs_a460(), columns, CriterionKind::Condition, DesignLimits::of_motion())

@@ -91,7 +91,7 @@ mod tests {
             verify_certificate(robot, &other, &certificate, None),
             Err(VerificationError::OtherTrajectory { .. })
         ));
-        let elsewhere = robot.clone().read_from("another file");
+        let elsewhere = robot.clone().with_source("another file");
         assert!(matches!(
             verify_certificate(&elsewhere, &motion, &certificate, None),
             Err(VerificationError::OtherRobot { .. })
@@ -105,7 +105,7 @@ mod tests {
             verify_certificate(&smooth, &motion, &certificate, None),
             Err(VerificationError::Limit { limit: LimitKind::Jerk, .. })
         ));
-        let low = robot.clone().with_obstacle(Obstacle::above("table", 0.8));
+        let low = robot.clone().with_obstacle(Obstacle::floor("table", 0.8));
         let fault = verify_certificate(&low, &motion, &certificate, None).unwrap_err();
         assert!(matches!(fault, VerificationError::Contact(_)) && fault.to_string().contains("\"table\""), "{fault}");
         let mut strained = certificate.clone();

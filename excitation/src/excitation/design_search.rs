@@ -276,7 +276,7 @@ mod tests {
         let mut problem = problem(Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal, 60);
         let nominal = parse_nominal(bundled()[0].nominal, problem.robot()).unwrap();
         let shares = &nominal.relative_uncertainty;
-        let spread = ParameterSpread::of(problem.robot(), &nominal.parameters, shares, CONFIDENCE_95);
+        let spread = ParameterSpread::from_uncertainty(problem.robot(), &nominal.parameters, shares, CONFIDENCE_95);
         let limits = DesignLimits {
             nominal: Some(nominal.parameters),
             spread: Some(spread),

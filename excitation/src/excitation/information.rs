@@ -166,7 +166,7 @@ impl Information {
                     g[i * p + self.kept[c]] = value;
                 }
             }
-            self.regressor.adjoint(states.at(k), &g, sensitivity.at_mut(k));
+            self.regressor.adjoint(states.sample(k), &g, sensitivity.sample_mut(k));
         }
     }
 }

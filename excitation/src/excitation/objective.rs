@@ -209,7 +209,7 @@ mod tests {
 
     /// Load friction, springs, a lag and torque constants.
     fn expected(problem: &DesignProblem) -> ExpectedEffects {
-        let friction = DriveParameters::of(&[(crate::model::term::LOAD_FRICTION, 0.05)]);
+        let friction = DriveParameters::from_iter([(crate::model::term::LOAD_FRICTION, 0.05)]);
         let ratings = problem.robot().joints().iter().map(|joint| 2e-3 / joint.limits.torque);
         let compliance = DMatrix::from_diagonal(&nalgebra::DVector::from_iterator(6, ratings));
         let laws = [

@@ -358,7 +358,7 @@ impl Follow {
         };
         let mut qd = vec![0.0; q.len()];
         self.spline.at(on_path.clamp(0.0, self.spline.duration_s()), q, &mut qd);
-        let fade = 1.0 - QuinticStep::at(on_path / FADE_S).value;
+        let fade = 1.0 - QuinticStep::evaluate(on_path / FADE_S).value;
         for (q, offset) in q.iter_mut().zip(&self.offset) {
             *q += fade * offset;
         }

@@ -231,9 +231,9 @@ fn by_headings(tables: &[LogTable], has_rate: bool) -> Result<Vec<Found>, Error>
             Remedy::from(EXPECTED)
                 .setting(Setting::Map)
                 .say(", which says what other headings mean: ")
-                .to(Setting::Map, "t=time_ms, q=joint_[1-6]_pos deg, current=i_[1-6] mA")
+                .setting_to(Setting::Map, "t=time_ms, q=joint_[1-6]_pos deg, current=i_[1-6] mA")
                 .say(", of files side by side ")
-                .to(Setting::Map, "t=time_ms, q=pos:joint_[1-6] deg, current=cur:i_[1-6] mA")
+                .setting_to(Setting::Map, "t=time_ms, q=pos:joint_[1-6] deg, current=cur:i_[1-6] mA")
                 .say(near.unwrap_or_default())
         };
         let help = first.columns().and_then(|table| table.lacking).map_or_else(help, Remedy::from);
@@ -243,7 +243,7 @@ fn by_headings(tables: &[LogTable], has_rate: bool) -> Result<Vec<Found>, Error>
         let message = format!("{} columns without headings, expected headings or a mapping", first.width());
         return Err(first
             .heading_fault(&message)
-            .help(Remedy::from("state what the columns are: ").to(Setting::Map, "t=#1, q=#[2-7] deg, tau=#[8-13]")));
+            .help(Remedy::from("state what the columns are: ").setting_to(Setting::Map, "t=#1, q=#[2-7] deg, tau=#[8-13]")));
     }
     let has = |quantity| all.iter().find(|found: &&Found| found.quantity == quantity);
     if has(Quantity::Time).is_none() && !has_rate {
@@ -310,7 +310,7 @@ impl Reader<'_> {
             (None, None) => {
                 let message = format!("{} has no column of times", self.tables[0].name());
                 return Err(
-                    Error::new(message).help(Remedy::from("state the rows per second: ").to(Setting::Rate, "HZ"))
+                    Error::new(message).help(Remedy::from("state the rows per second: ").setting_to(Setting::Rate, "HZ"))
                 );
             }
             (None, Some(time)) => self.values(time, 1)?,

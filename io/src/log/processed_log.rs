@@ -98,8 +98,8 @@ impl ProcessedLog {
                     let message =
                         format!("{} holds torques, expected motor currents: torques have no torque constant", log.name);
                     let help =
-                        Remedy::from("name the columns of the currents: ").to(Setting::Map, "…, current=i_[1-6]");
-                    let help = help.say(", or say that the efforts are currents by ").to(Setting::Effort, "current");
+                        Remedy::from("name the columns of the currents: ").setting_to(Setting::Map, "…, current=i_[1-6]");
+                    let help = help.say(", or say that the efforts are currents by ").setting_to(Setting::Effort, "current");
                     return Err(Error::mismatch(message).help(help));
                 }
             };

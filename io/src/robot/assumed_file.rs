@@ -110,7 +110,7 @@ fn fill(table: &mut Table, loaded: &LoadedRobot, made: &mut Assumptions) -> Resu
         if !(torque.is_finite() && speed.is_finite()) {
             let message =
                 format!("joint \"{}\" states no largest torque or speed, expected both in [joint.limits]", joint.name);
-            let help = Remedy::task(Task::Robot, "arm.urdf").with(Setting::Output, "robot.toml");
+            let help = Remedy::task(Task::Robot, "arm.urdf").with_setting(Setting::Output, "robot.toml");
             return Err(Error::new(message).help(help.say(" begins a robot file with its gaps marked")));
         }
         let is_of = |table: &Value| table.get("name").and_then(Value::as_str) == Some(joint.name.as_str());
@@ -144,7 +144,7 @@ fn fill(table: &mut Table, loaded: &LoadedRobot, made: &mut Assumptions) -> Resu
             (ROTOR, ROTOR_SHARE * torque * 0.5 / speed),
         ] {
             if !stated(term) {
-                terms.insert(term.entry().key.of(joint.kind).to_owned(), rounded(value));
+                terms.insert(term.entry().key.for_kind(joint.kind).to_owned(), rounded(value));
                 if term == ROTOR { made.rotors = true } else { made.friction = true }
             }
         }

@@ -282,7 +282,7 @@ mod tests {
         for robot in [hinges::single(), hinges::coupled()] {
             let n = robot.dof();
             let mut servo = servo(&robot).with_sensing(Sensing::ideal());
-            let robot = robot.changed(|spec| spec.effort = EffortInterface::Torque).unwrap();
+            let robot = robot.with_spec(|spec| spec.effort = EffortInterface::Torque).unwrap();
             let mut servo_torque = Servo { robot: robot.clone(), ..servo.clone() };
             let (mut q, mut tau) = (Vec::new(), Vec::new());
             let mut recording = record(&mut servo_torque, &plan(n)).unwrap().0;
@@ -348,7 +348,7 @@ mod tests {
         let robot = hinges::single();
         let tuned = |rate_hz| {
             let tuning = ServoTuning { rate_hz, ..ServoTuning::ASSUMED };
-            servo(&robot.clone().changed(|spec| spec.servo = Some(tuning)).unwrap())
+            servo(&robot.clone().with_spec(|spec| spec.servo = Some(tuning)).unwrap())
         };
         let slow = tuned(1500.0);
         assert!(matches!(slow.cycle(&plan(1)), Err(ArmError::Rate { .. })));

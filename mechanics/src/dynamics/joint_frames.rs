@@ -183,7 +183,7 @@ impl JointFrame {
     }
 }
 
-/// The same vector for all samples.
+/// One vector in every lane.
 #[inline(always)]
 fn three<V: Lane>(one: V, x: &Vector3<f64>) -> Three<V> {
     [one.splat(x.x), one.splat(x.y), one.splat(x.z)]
@@ -336,7 +336,7 @@ impl Body {
         }
     }
 
-    /// The same of one sample.
+    /// [`Self::lane_wrench`] of one sample.
     #[inline(always)]
     pub(super) fn wrench(&self, v: &Motion, a: &Motion) -> Force {
         self.lane_wrench(&v.into(), &a.into()).into()

@@ -54,10 +54,10 @@ impl Exchange {
 
     /// The terms that it has a place for, of a model that was estimated with some.
     pub(super) fn columns(self, estimated: Columns) -> Columns {
-        let friction = Columns::RIGID.with(VISCOUS).with(COULOMB);
+        let friction = Columns::RIGID.with_term(VISCOUS).with_term(COULOMB);
         match self {
             Self::Urdf => friction,
-            Self::Mjcf | Self::Isaac => friction.with(ROTOR),
+            Self::Mjcf | Self::Isaac => friction.with_term(ROTOR),
             Self::Toml | Self::Json | Self::Python => estimated,
         }
     }
@@ -165,7 +165,7 @@ impl Exchange {
 
 /// Every parameter and every number of a law of friction by its name, as a JSON object.
 fn parameter_map(robot: &Robot, parameters: &StandardParameters) -> String {
-    let ids = Columns::RIGID_ROTOR_FRICTION.and_those_of(parameters).parameters(robot);
+    let ids = Columns::RIGID_ROTOR_FRICTION.with_terms_of(parameters).parameters(robot);
     let laws = law_map(robot, parameters).into_iter().map(|(name, value)| (name, value.into()));
     let map: Map<String, Value> =
         ids.into_iter().map(|id| (id.to_string(), parameters.get(id).into())).chain(laws).collect();

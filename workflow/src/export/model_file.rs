@@ -241,7 +241,7 @@ impl Fitted<'_> {
     ) -> Result<Vec<Lacking>, Error> {
         let of = |columns: Columns| columns.parameters(self.robot).len();
         let terms = estimated.terms().filter(|term| !self.columns.has(*term));
-        let with = terms.map(|term| (term.entry().meaning, self.columns.with(term), self.robot));
+        let with = terms.map(|term| (term.entry().meaning, self.columns.with_term(term), self.robot));
         let mut candidates: Vec<(&'static str, Columns, &Robot)> =
             with.filter(|(_, columns, _)| of(*columns) > of(self.columns)).collect();
         let onset = |robot: &Robot| robot.joints().iter().any(|joint| joint.drive.coulomb_velocity > 0.0);

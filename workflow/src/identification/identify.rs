@@ -139,5 +139,5 @@ fn onset_by_servo(
 /// Those of these columns beside which the onset of Coulomb friction is looked for before terms are selected.
 fn basic(among: Columns) -> Columns {
     let known = Columns::RIGID_ROTOR_FRICTION;
-    among.terms().filter(|&term| known.has(term)).fold(Columns::RIGID, Columns::with)
+    among.terms().filter(|&term| known.has(term)).fold(Columns::RIGID, Columns::with_term)
 }

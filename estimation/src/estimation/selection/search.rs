@@ -31,7 +31,7 @@ pub fn select(
     let words = words_of(candidates);
     let level = LEVEL / words.len().max(1) as f64;
     let columns =
-        candidates.terms().filter(|term| term.entry().needs.is_estimable()).fold(Columns::RIGID, Columns::with);
+        candidates.terms().filter(|term| term.entry().needs.is_estimable()).fold(Columns::RIGID, Columns::with_term);
     let search = |lagged| Search { of: &of, samples, held_out, level, lagged };
     let plain = search(false).selection(columns, &words)?;
     let shows = |selection: &Selection, verdicts: &[Verdict]| {
@@ -267,7 +267,7 @@ pub(super) fn without(columns: Columns, word: &str) -> Columns {
 
 /// The columns with the terms of a word.
 pub(super) fn with_word(columns: Columns, word: &str) -> Columns {
-    Term::ALL.iter().copied().filter(|term| term.entry().name == word).fold(columns, Columns::with)
+    Term::ALL.iter().copied().filter(|term| term.entry().name == word).fold(columns, Columns::with_term)
 }
 
 /// The word of the term without which equations may be solved: the one that the motion does not distinguish from the others, whose load

@@ -20,7 +20,7 @@ const STATED_SPEED: f64 = 0.1;
 const AMPLITUDE: f64 = 4.0;
 
 fn columns() -> Columns {
-    Columns::RIGID_ROTOR_FRICTION.with(STRIBECK)
+    Columns::RIGID_ROTOR_FRICTION.with_term(STRIBECK)
 }
 
 /// The same robot with one Stribeck velocity in all drives.
@@ -190,7 +190,7 @@ fn analytic_exact_torque_gives_the_onset_of_the_arm_with_and_without_friction_of
         let truth = [0.2, 0.05, 0.1];
         let (robot, _, samples) = onset_recording(12, truth, load, 0.0);
         let columns = Columns::RIGID_ROTOR_FRICTION;
-        let speeds = onset(&robot, if load > 0.0 { columns.with(LOAD_FRICTION) } else { columns }, &samples);
+        let speeds = onset(&robot, if load > 0.0 { columns.with_term(LOAD_FRICTION) } else { columns }, &samples);
         assert!(speeds.not_shown().is_empty() && speeds.predict_better(), "{speeds:?}");
         for (joint, truth) in speeds.joints.iter().zip(truth) {
             let (speed, amplitude) = (joint.speed.unwrap().value, joint.amplitude.unwrap().value);
@@ -236,7 +236,7 @@ fn identity_columns_are_those_of_the_regressor_and_slopes_their_central_differen
     let samples = Samples { block: 3, ..Samples::exact(states, tau, vec!["N·m".to_owned(); 6], 60.0) };
     let samples = Samples { used: vec![true; 600], ..samples };
     let identification = |robot: &Robot| {
-        let identification = Identification::new(robot, columns().with(MOTOR_STRIBECK)).unwrap();
+        let identification = Identification::new(robot, columns().with_term(MOTOR_STRIBECK)).unwrap();
         identification.observation(&samples).unwrap()
     };
     let observation = identification(&robot);
@@ -271,7 +271,7 @@ fn identity_columns_are_those_of_the_regressor_and_slopes_their_central_differen
 fn identity_friction_columns_pass_the_low_pass_of_the_torque() {
     let (robot, truth, plain) = onset_recording(13, [0.2, 0.1, 0.3], 0.0, 0.0);
     let moved = with_speeds(&robot, ShapeParameter::COULOMB_VELOCITY, &[0.2, 0.1, 0.3]);
-    let rigid = Columns::RIGID.with(ROTOR);
+    let rigid = Columns::RIGID.with_term(ROTOR);
     let mut smooth = truth.clone();
     smooth.drives.iter_mut().for_each(|drive| *drive = drive.only(|term| rigid.has(term) || term == VISCOUS));
     let base = torque(&moved, &smooth, 0.0, &Seed::new(13)).tau;

@@ -137,7 +137,7 @@ impl Scene {
     /// Moves the robot to the joint coordinates `q` (n).
     pub fn place(&mut self, q: &[f64]) {
         for (i, (moving, &q)) in self.moving.iter().zip(q).enumerate() {
-            self.poses[i + 1] = self.poses[i].compose(&moving.at(q));
+            self.poses[i + 1] = self.poses[i].compose(&moving.placement(q));
         }
         for (placed, (link, solid)) in self.placed.iter_mut().zip(&self.bodies) {
             if *link > 0 {

@@ -3,7 +3,7 @@
 use super::channel::{Channel, EffortKind};
 use super::model::{EffortModel, Load};
 use crate::excitation::limits::WorstUse;
-use crate::optimiser::climb;
+use crate::optimiser::{CurvePoint, climb};
 use crate::trajectory::{Segment, Timeline, Trajectory};
 
 /// A peak that may use more than this part of a limit between the samples is refined in time.
@@ -224,9 +224,9 @@ pub(super) fn refine(
         (peak.sign * load.value + load.spread) / channel.peak
     };
     let step = survey.step(peak.segment);
-    let around = (peak.part - step, peak.part + step);
-    let (part, ratio) = climb(ratio, (peak.part, peak.ratio), around, REFINED * step);
-    Peak { part, ratio, ..peak }
+    let from = CurvePoint { place: peak.part, value: peak.ratio };
+    let top = climb(ratio, from, peak.part - step..peak.part + step, REFINED * step);
+    Peak { part: top.place, ratio: top.value, ..peak }
 }
 
 #[cfg(test)]

@@ -96,7 +96,7 @@ impl DesignLimits {
                 return Err(ExcitationError::Confidence { found: confidence });
             }
             let multiple = ParameterSpread::multiple_of(confidence);
-            let spread = |(nominal, shares)| ParameterSpread::of(robot, nominal, shares, multiple);
+            let spread = |(nominal, shares)| ParameterSpread::from_uncertainty(robot, nominal, shares, multiple);
             limits.spread = nominal.zip(uncertainty).map(spread);
             limits.nominal = nominal.cloned();
             limits.margins.torque = if limits.spread.is_some() { 1.0 } else { WITHOUT_UNCERTAINTY };
@@ -145,7 +145,7 @@ impl DesignLimits {
         }
         if let (Some(nominal), Some(spread)) = (&self.nominal, &self.spread) {
             // As many as the effort model has, which takes in what terms the nominal parameters have.
-            let columns = Columns::default().and_those_of(nominal);
+            let columns = Columns::default().with_terms_of(nominal);
             same_length("uncertain parameters", spread.deviations.len(), columns.parameters(robot).len())?;
         }
         if !self.position_margin.is_empty() {

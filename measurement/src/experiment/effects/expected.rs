@@ -86,8 +86,8 @@ impl Effects {
 /// What drives have beside those that they were made from.
 fn added(with: &[DriveParameters], without: &[DriveParameters]) -> Vec<DriveParameters> {
     let difference = |(with, without): (&DriveParameters, &DriveParameters)| {
-        let terms: Vec<_> = with.iter().map(|(term, value)| (term, value - without[term])).collect();
-        DriveParameters::of(&terms.into_iter().filter(|(_, value)| *value != 0.0).collect::<Vec<_>>())
+        let terms = with.iter().map(|(term, value)| (term, value - without[term]));
+        terms.filter(|(_, value)| *value != 0.0).collect()
     };
     with.iter().zip(without).map(difference).collect()
 }

@@ -60,7 +60,7 @@ pub struct SnappedJoint {
 impl ImportedModel {
     /// Returns this model, whose robot says which text it was read from.
     pub(super) fn read_from(mut self, text: &str) -> Self {
-        self.robot = self.robot.read_from(text);
+        self.robot = self.robot.with_source(text);
         self
     }
 }
