@@ -95,7 +95,7 @@ fn states() -> States {
 }
 
 fn small_design(robot: Robot) -> Design {
-    let problem = DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, DesignLimits::of_motion())
+    let problem = DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, DesignLimits::motion_only())
         .expect("a problem");
     design(&problem, Seed::new(1), 0).expect("a design")
 }

@@ -61,7 +61,7 @@ pub fn certificate(name: &str, beside: Option<&Path>) -> Result<Option<Certifica
         return Ok(None);
     }
     let text = Text::read(&path)?;
-    Certificate::in_toml(&text.content).map_err(|fault| Error::new(format!("{}: {fault}", text.name)))
+    Certificate::from_toml(&text.content).map_err(|fault| Error::new(format!("{}: {fault}", text.name)))
 }
 
 /// Reads a trajectory from its text; its joints must be the robot's, in the robot's order.

@@ -23,7 +23,7 @@ pub(super) fn problem(loaded: &LoadedRobot, settings: &DesignSettings) -> Result
     let robot = settings.robot(loaded)?;
     let nominal = loaded.guess();
     let mut limits =
-        DesignLimits::of(&robot, nominal, loaded.uncertainty.as_ref(), &settings.limits).map_err(Error::of)?;
+        DesignLimits::for_robot(&robot, nominal, loaded.uncertainty.as_ref(), &settings.limits).map_err(Error::of)?;
     if let DesignGoal::Load(load) = &settings.goal {
         limits.payload = Some(load.body()?);
     }
@@ -91,7 +91,7 @@ fn criterion(goal: &DesignGoal, robot: &Robot, columns: Columns) -> Result<Arc<d
     let DesignGoal::Arm(criterion) = goal else {
         let base = reduce(robot, columns, Method::Structural, Seed::new(0))
             .map_err(|error| Error::new(format!("robot \"{}\": {error}", robot.name())))?;
-        return match PayloadOptimal::of(&base) {
+        return match PayloadOptimal::new(&base) {
             Some(criterion) => Ok(Arc::new(criterion)),
             None => {
                 let name = robot.name();

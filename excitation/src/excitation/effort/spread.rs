@@ -19,13 +19,13 @@ pub struct ParameterSpread {
 impl ParameterSpread {
     /// How many standard deviations a limit must leave so that one side of a normal distribution keeps within it with
     /// this probability (at least one half): its quantile.
-    pub fn multiple_of(confidence: f64) -> f64 {
+    pub fn multiple_for(confidence: f64) -> f64 {
         crate::statistics::normal_quantile(confidence)
     }
 
     /// From the shares that a `nominal.toml` states: of the mass, of the length of the first moment, of the trace of
     /// the inertia for each of its elements, of rotor inertia and friction; the offset's is absolute.
-    pub fn of(robot: &Robot, nominal: &StandardParameters, shares: &RelativeUncertainty, multiple: f64) -> Self {
+    pub fn from_uncertainty(robot: &Robot, nominal: &StandardParameters, shares: &RelativeUncertainty, multiple: f64) -> Self {
         use ParameterKind as Kind;
         let deviation = |id: ParameterId| {
             let (value, link) = (nominal.get(id).abs(), &nominal.links[id.index]);
@@ -81,6 +81,6 @@ mod tests {
     #[test]
     fn published_one_sided_quantile() {
         // Abramowitz and Stegun, table 26.5.
-        assert!((ParameterSpread::multiple_of(0.95) - CONFIDENCE_95).abs() < 1e-9);
+        assert!((ParameterSpread::multiple_for(0.95) - CONFIDENCE_95).abs() < 1e-9);
     }
 }
