@@ -83,7 +83,7 @@ fn golden_criteria_over_the_size_of_an_effect() {
     result.conditions.clear();
     for (step, size) in [0.0, 0.0005, 0.005, 0.05].into_iter().enumerate() {
         let mut part = exact.clone();
-        part.condition.effects = Effects::none().with(EffectKind::LoadFriction, size);
+        part.condition.effects = Effects::none().with_effect(EffectKind::LoadFriction, size);
         for c in &mut part.findings.comparisons {
             if let Some(over) = c.over("d-optimal") {
                 let ratio = 2.0 * 0.6_f64.powi(step as i32);

@@ -175,7 +175,7 @@ impl SimulatedArm {
     }
 
     fn all_effects(&self) -> Effects {
-        self.truth.effects.and(&self.effects)
+        self.truth.effects.overridden_by(&self.effects)
     }
 
     fn actual(&self, effects: &Effects) -> ActualArm {

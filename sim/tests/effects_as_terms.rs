@@ -48,7 +48,7 @@ impl Experiment {
     fn arm(&self) -> (Robot, StandardParameters, ActualArm) {
         let (robot, truth) = planar();
         let robot = robot.with_joints(|joint| joint.drive.coulomb_velocity = self.velocity).unwrap();
-        let arm = ActualArm::new(&Effects::none().with(self.kind, self.magnitude), &robot, &truth);
+        let arm = ActualArm::new(&Effects::none().with_effect(self.kind, self.magnitude), &robot, &truth);
         (robot, truth, arm)
     }
 

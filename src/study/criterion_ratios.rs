@@ -43,7 +43,7 @@ impl CriterionRatios {
         let (estimator, engine) = (plan.identification.estimators.last(), plan.engines.first());
         let mut ratios = Vec::new();
         for part in result.conditions.iter().filter(|part| Some(&part.condition.engine) == engine) {
-            let effects = plan.effects.and(&part.condition.effects);
+            let effects = plan.effects.overridden_by(&part.condition.effects);
             let effect = match effects.iter().collect::<Vec<_>>()[..] {
                 [] => None,
                 [(kind, size)] if kind.level(size) == Some(Level::Realistic) => Some(kind.name().to_owned()),

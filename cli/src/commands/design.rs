@@ -166,7 +166,7 @@ impl Arguments {
             packages: self.meshes.packages(),
             weighted: self.weighted,
             prior: self.prior.clone(),
-            expected: self.expect.iter().fold(Effects::none(), |all, &(effect, size)| all.with(effect, size)),
+            expected: self.expect.iter().fold(Effects::none(), |all, &(effect, size)| all.with_effect(effect, size)),
             predict: self.predict.clone(),
             periods: self.periods,
             baseline: !self.no_baseline,

@@ -42,7 +42,7 @@ impl ProcessedLog {
     ///
     /// # Errors
     /// [`Error`] where they are of unlike robots, rates or blocks, or there are none.
-    pub fn joined(logs: Vec<Self>) -> Result<Self, Error> {
+    pub fn join(logs: Vec<Self>) -> Result<Self, Error> {
         let mut logs = logs.into_iter();
         let mut all = logs.next().ok_or_else(|| Error::new("no log is named, expected at least one"))?;
         for log in logs {
@@ -58,7 +58,7 @@ impl ProcessedLog {
             all.logs.extend(log.logs);
         }
         all.samples =
-            Samples::joined(all.parts.clone()).map_err(|error| Error::mismatch(format!("{}: {error}", all.name())))?;
+            Samples::join(all.parts.clone()).map_err(|error| Error::mismatch(format!("{}: {error}", all.name())))?;
         Ok(all)
     }
 
@@ -155,7 +155,7 @@ impl ProcessedLog {
         for samples in self.parts.iter_mut().chain(&mut self.held_out) {
             *samples = stated.restated(samples, &found);
         }
-        self.samples = Samples::joined(self.parts.clone())
+        self.samples = Samples::join(self.parts.clone())
             .map_err(|error| Error::mismatch(format!("{}: {error}", self.name())))?;
         for log in &mut self.logs {
             log.servo = Some(found.clone());

@@ -35,7 +35,7 @@ impl LagProducts {
     }
 
     /// c(l), n × n, for a lag shorter than the series.
-    pub fn at(&mut self, l: usize) -> DMatrix<f64> {
+    pub fn product(&mut self, l: usize) -> DMatrix<f64> {
         let (n, count) = (self.dof, self.series.len() / self.dof.max(1));
         if l <= FEW_LAGS {
             // Each series l samples earlier, followed by its own beginning or by zeros.
@@ -107,7 +107,7 @@ mod tests {
             for wraps in [false, true] {
                 let mut products = LagProducts::new(&x, n, wraps);
                 for l in 0..count - 1 {
-                    let found = products.at(l);
+                    let found = products.product(l);
                     for i in 0..n {
                         for j in 0..n {
                             let partners = (0..if wraps { count } else { count - l }).map(|k| (k, (k + l) % count));

@@ -35,7 +35,7 @@ impl PreparedStudy {
         for condition in plan.conditions() {
             let engine = Engine::parse(&condition.engine)
                 .ok_or_else(|| Error::new(format!("there is no engine \"{}\"", condition.engine)))?;
-            let arm = simulated_arm(&loaded, engine, plan.effects.and(&condition.effects))?;
+            let arm = simulated_arm(&loaded, engine, plan.effects.overridden_by(&condition.effects))?;
             arm.servo(&Sensing::ideal()).map_err(|error| Error::new(format!("arm {error}")))?;
             arms.push(arm);
         }

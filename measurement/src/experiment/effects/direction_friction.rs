@@ -47,7 +47,7 @@ mod tests {
             truth.drives[0][term] = value;
         }
         for seed in 0..4 {
-            let effects = Effects::none().with(EffectKind::DirectionFriction, 0.2).with_seed(Seed::new(seed));
+            let effects = Effects::none().with_effect(EffectKind::DirectionFriction, 0.2).with_seed(Seed::new(seed));
             let arm = ActualArm::new(&effects, &robot, &truth);
             let mut dynamics = Dynamics::new(arm.robot(), arm.parameters());
             let mut friction = |v: f64| {

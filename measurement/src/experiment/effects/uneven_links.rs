@@ -188,7 +188,7 @@ mod tests {
         rotational[(2, 2)] = hinges::INERTIA - 0.5;
         truth.links[0] = Inertia { rotational, ..Inertia::zero() };
         truth.drives[0][ROTOR] = 0.5;
-        let effects = Effects::none().with(EffectKind::TransmissionError, 0.5).with_seed(Seed::new(2));
+        let effects = Effects::none().with_effect(EffectKind::TransmissionError, 0.5).with_seed(Seed::new(2));
         let arm = ActualArm::new(&effects, &robot, &truth);
         let error = arm.transmission_errors()[0];
         let (transmission, start) = (Transmission::new(&robot), 0.3);
