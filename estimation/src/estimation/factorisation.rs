@@ -230,7 +230,7 @@ impl<'a> Factorisation<'a> {
                 Err(_) => self.least_squares()?.solution().clone(),
             };
             let laws = self.omitted.as_ref().map(OmittedTorque::supported);
-            Ok(Discrepancy::found(self.observation, samples, &noise, beta.as_slice(), laws.as_ref()))
+            Ok(Discrepancy::find(self.observation, samples, &noise, beta.as_slice(), laws.as_ref()))
         });
         found.as_ref().map(Option::as_ref).map_err(Clone::clone)
     }

@@ -83,8 +83,8 @@ pub struct FrictionSpeeds {
 }
 
 impl FrictionSpeeds {
-    /// Joints, from one, whose speed the data do not show.
-    pub fn not_shown(&self) -> Vec<usize> {
+    /// Joints, from one, whose speed the data do not determine.
+    pub fn joints_not_shown(&self) -> Vec<usize> {
         self.joints.iter().filter(|joint| joint.speed.is_none()).map(|joint| joint.joint).collect()
     }
 
@@ -114,7 +114,7 @@ impl FrictionSpeeds {
     }
 
     /// The speeds of a base of these columns; `None` where no column has one.
-    pub(super) fn found(
+    pub(super) fn find(
         robot: &Robot,
         (columns, base): (Columns, &BaseReduction),
         samples: &Samples,

@@ -153,7 +153,7 @@ impl ProcessedLog {
         }
         let found = PositionServo { unknown: Vec::new(), ..stated.clone().with_unknown(&values) };
         for samples in self.parts.iter_mut().chain(&mut self.held_out) {
-            *samples = stated.restated(samples, &found);
+            *samples = stated.restated_samples(samples, &found);
         }
         self.samples = Samples::join(self.parts.clone())
             .map_err(|error| Error::mismatch(format!("{}: {error}", self.name())))?;

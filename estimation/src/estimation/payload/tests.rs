@@ -21,7 +21,7 @@ use crate::spatial::Inertia;
 
 const COLUMNS: Columns = Columns::RIGID_ROTOR_FRICTION;
 
-/// The same with a load on the last link.
+/// The parameters with a load on the last link.
 fn loaded(parameters: &StandardParameters, load: &Inertia) -> StandardParameters {
     let mut loaded = parameters.clone();
     let last = loaded.links.last_mut().unwrap();

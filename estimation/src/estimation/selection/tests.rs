@@ -35,7 +35,7 @@ fn recording(seed: u64, terms: &[Term], memory: f64) -> (Robot, Samples) {
     recording_of(seed, &terms.iter().map(coefficient).collect::<Vec<_>>(), memory)
 }
 
-/// The same with these coefficients.
+/// A recording of an arm with these coefficients.
 fn recording_of(seed: u64, terms: &[(Term, f64)], memory: f64) -> (Robot, Samples) {
     let source = Seed::new(seed);
     let (robot, drawn) = random_robot(&mut source.stream("arm", 0), 3);

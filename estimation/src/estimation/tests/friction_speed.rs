@@ -23,7 +23,7 @@ fn columns() -> Columns {
     Columns::RIGID_ROTOR_FRICTION.with_term(STRIBECK)
 }
 
-/// The same robot with one Stribeck velocity in all drives.
+/// The robot with one Stribeck velocity in all drives.
 fn with_speed(robot: &Robot, speed: f64) -> Robot {
     with_speeds(robot, Stribeck::VELOCITY, &vec![speed; robot.dof()])
 }
@@ -126,7 +126,7 @@ pub(super) fn onset(robot: &Robot, columns: Columns, samples: &Samples) -> Frict
 fn analytic_exact_torque_gives_the_speed_of_the_arm() {
     let (robot, samples) = recording(11, [AMPLITUDE; 3], 0.0);
     let speeds = found(&robot, &samples);
-    assert!(speeds.termination.was_successful() && speeds.not_shown().is_empty(), "{speeds:?}");
+    assert!(speeds.termination.was_successful() && speeds.joints_not_shown().is_empty(), "{speeds:?}");
     for joint in &speeds.joints {
         // Nothing is left at the truth, where Gauss–Newton is quadratic: behind a step of 1e-6 rounding alone is left.
         let (speed, amplitude) = (joint.speed.unwrap().value, joint.amplitude.unwrap().value);
@@ -149,7 +149,7 @@ fn analytic_intervals_of_noisy_torque_hold_the_speed_of_the_arm() {
     for seed in 20..30 {
         let (robot, samples) = recording(seed, [AMPLITUDE; 3], 0.2);
         let speeds = found(&robot, &samples);
-        assert!(speeds.termination.was_successful() && speeds.not_shown().is_empty(), "{seed}: {speeds:?}");
+        assert!(speeds.termination.was_successful() && speeds.joints_not_shown().is_empty(), "{seed}: {speeds:?}");
         assert!(speeds.weighted_rms[1] < speeds.weighted_rms[0], "{:?}", speeds.weighted_rms);
         for joint in &speeds.joints {
             let (speed, amplitude) = (joint.speed.unwrap(), joint.amplitude.unwrap());
@@ -169,13 +169,13 @@ fn analytic_an_arm_whose_friction_does_not_fall_has_no_speed() {
     for seed in 40..44 {
         let (robot, samples) = recording(seed, [0.0; 3], 0.2);
         let speeds = found(&robot, &samples);
-        assert_eq!(speeds.not_shown(), [1, 2, 3], "{seed}: {speeds:?}");
+        assert_eq!(speeds.joints_not_shown(), [1, 2, 3], "{seed}: {speeds:?}");
         assert_eq!(speeds.robot(&robot), robot);
     }
     // Nor has a joint beside one that has.
     let (robot, samples) = recording(45, [AMPLITUDE, 0.0, AMPLITUDE], 0.2);
     let speeds = found(&robot, &samples);
-    assert_eq!(speeds.not_shown(), [2], "{speeds:?}");
+    assert_eq!(speeds.joints_not_shown(), [2], "{speeds:?}");
     let drives = speeds.robot(&robot);
     assert_eq!(drives.joints()[1].drive.shape(&Stribeck::VELOCITY), STATED_SPEED);
     assert_eq!(Some(drives.joints()[0].drive.shape(&Stribeck::VELOCITY)), speeds.joints[0].speed.map(|of| of.value));
@@ -191,7 +191,7 @@ fn analytic_exact_torque_gives_the_onset_of_the_arm_with_and_without_friction_of
         let (robot, _, samples) = onset_recording(12, truth, load, 0.0);
         let columns = Columns::RIGID_ROTOR_FRICTION;
         let speeds = onset(&robot, if load > 0.0 { columns.with_term(LOAD_FRICTION) } else { columns }, &samples);
-        assert!(speeds.not_shown().is_empty() && speeds.predict_better(), "{speeds:?}");
+        assert!(speeds.joints_not_shown().is_empty() && speeds.predict_better(), "{speeds:?}");
         for (joint, truth) in speeds.joints.iter().zip(truth) {
             let (speed, amplitude) = (joint.speed.unwrap().value, joint.amplitude.unwrap().value);
             // With friction of the load, the alternation of load and speeds ends at a change of 1e-4.
@@ -220,7 +220,7 @@ fn analytic_intervals_hold_the_onset_and_a_plain_sign_shows_none() {
     for seed in 60..64 {
         let (robot, _, samples) = onset_recording(seed, [0.0; 3], 0.0, 0.2);
         let speeds = onset(&robot, Columns::RIGID_ROTOR_FRICTION, &samples);
-        assert_eq!(speeds.not_shown(), [1, 2, 3], "{seed}: {speeds:?}");
+        assert_eq!(speeds.joints_not_shown(), [1, 2, 3], "{seed}: {speeds:?}");
         assert_eq!((speeds.robot(&robot), speeds.held_out), (robot, None));
     }
 }
