@@ -38,7 +38,7 @@ pub struct EffectRatio {
 impl CriterionRatios {
     /// The ratios of a study with an exact model and with each single effect at its realistic level, last estimator, first
     /// engine. Other levels and combinations are left out: they repeat these effects.
-    pub fn of(result: &StudyResult) -> Self {
+    pub fn from_result(result: &StudyResult) -> Self {
         let plan = &result.plan;
         let (estimator, engine) = (plan.identification.estimators.last(), plan.engines.first());
         let mut ratios = Vec::new();

@@ -73,7 +73,7 @@ pub enum Lead {
 
 impl EffectLevels {
     /// Every effect that a study has in at least two sizes beside none, last estimator, first engine.
-    pub fn of(result: &StudyResult) -> Vec<Self> {
+    pub fn from_result(result: &StudyResult) -> Vec<Self> {
         let plan = &result.plan;
         let engine = plan.engines.first();
         let parts = result.conditions.iter().filter(|part| Some(&part.condition.engine) == engine);

@@ -51,7 +51,7 @@ impl Metric {
         matches!(self, Self::LogVolume)
     }
 
-    pub(super) fn of(self, estimate: &ScoredEstimate) -> Option<f64> {
+    pub(super) fn value(self, estimate: &ScoredEstimate) -> Option<f64> {
         let score = estimate.score.as_ref()?;
         match self {
             Self::Prediction => Some(score.prediction_rmse_nm),

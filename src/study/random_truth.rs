@@ -83,8 +83,8 @@ pub struct TruthError {
 }
 
 impl RandomTruths {
-    /// This many, with the spreads that a study has unless it says otherwise.
-    pub const fn of(count: usize) -> Self {
+    /// So many draws, with the default spreads of a study.
+    pub const fn new(count: usize) -> Self {
         Self {
             count,
             around: Centre::Truth,
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn statistics_of_a_thousand_draws_are_those_stated_and_every_body_can_exist() {
         let centre = a460();
-        let truths = RandomTruths::of(1000).draw(&Truth::of(centre.clone()), Seed::new(11)).unwrap();
+        let truths = RandomTruths::new(1000).draw(&Truth::without_effects(centre.clone()), Seed::new(11)).unwrap();
         let mut logs = vec![Vec::new(); 4];
         for truth in &truths {
             for (i, (link, own)) in truth.parameters.links.iter().zip(&centre.links).enumerate() {
@@ -200,8 +200,8 @@ mod tests {
 
     #[test]
     fn identity_a_draw_depends_on_its_number_alone_and_no_spread_is_the_centre() {
-        let centre = Truth::of(a460());
-        let (few, many) = (RandomTruths::of(2), RandomTruths::of(5));
+        let centre = Truth::without_effects(a460());
+        let (few, many) = (RandomTruths::new(2), RandomTruths::new(5));
         let seed = Seed::new(3);
         let drawn = many.draw(&centre, seed).unwrap();
         assert_eq!(few.draw(&centre, seed).unwrap()[..], drawn[..2]);
@@ -211,7 +211,7 @@ mod tests {
             inertia_spread: 0.0,
             rotor_spread: 0.0,
             friction_spread: 0.0,
-            ..RandomTruths::of(1)
+            ..RandomTruths::new(1)
         };
         let same = &none.clone().draw(&centre, seed).unwrap()[0].parameters;
         assert_eq!(same.drives, centre.parameters.drives);

@@ -24,8 +24,8 @@ struct Beside {
 }
 
 impl Truth {
-    /// An arm without effects beside its parameters.
-    pub const fn of(parameters: StandardParameters) -> Self {
+    /// An arm with these parameters and without effects.
+    pub const fn without_effects(parameters: StandardParameters) -> Self {
         Self { parameters, effects: Effects::none(), motors: Vec::new() }
     }
 

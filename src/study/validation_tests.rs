@@ -231,7 +231,7 @@ fn an_arm_without_weight_has_no_score_at_rest() {
     let motions = draw(&robot, &nominal, 2);
     let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
     let base = reduce(&robot, Columns::RIGID, Method::Structural, SEED).unwrap();
-    let truths = [Truth::of(nominal)];
+    let truths = [Truth::without_effects(nominal)];
     let scorer = Scorer::new(&robot, &truths, &regressor, &base, &motions, &ReferenceUnits::default());
     let score = scorer.score(&(&scorer.truths[0] * 1.1), 0, None);
     assert!(score.static_rmse_nm.is_none() && score.slow_rmse_nm > 0.0 && score.point_to_point_rmse_nm > 0.0);

@@ -14,7 +14,7 @@ pub(crate) fn answer(summary: &RobotsSummary, page: &Path) -> Result<Answer, Err
     let mut table = Table::new(&columns);
     for counts in &summary.agreements {
         let mut row = vec![counts.metric.title().to_owned(), counts.estimator.clone()];
-        row.extend(Agreement::ALL.map(|agreement| counts.of(agreement).to_string()));
+        row.extend(Agreement::ALL.map(|agreement| counts.count(agreement).to_string()));
         table.row(row);
     }
     let robots: Vec<&str> = summary.robots.iter().map(|robot| robot.robot.as_str()).collect();

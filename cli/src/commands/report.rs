@@ -92,10 +92,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         let all = &arguments.folders;
         let figures = match figure {
             Figure::Criteria => {
-                let numbers = numbers(all, "criteria", |study| vec![CriterionRatios::of(study)])?;
+                let numbers = numbers(all, "criteria", |study| vec![CriterionRatios::from_result(study)])?;
                 vec![write_criteria(folder, &numbers, sheet)?]
             }
-            Figure::Levels => write_levels(folder, &numbers(all, "levels", EffectLevels::of)?, sheet)?,
+            Figure::Levels => write_levels(folder, &numbers(all, "levels", EffectLevels::from_result)?, sheet)?,
         };
         let figures: Vec<String> = figures.iter().map(|figure| figure.display().to_string()).collect();
         console.show(&Answer { text: figures.join("\n") + "\n", json: json!({ "figures": figures }) })?;

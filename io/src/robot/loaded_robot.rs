@@ -75,7 +75,7 @@ impl LoadedRobot {
     /// [`Error`] where nothing says it, or what does cannot be read.
     pub fn truth(&self) -> Result<Truth, Error> {
         let text = match (&self.truth, &self.own) {
-            (TruthSource::Own, Some(own)) => return Ok(Truth::of(own.clone())),
+            (TruthSource::Own, Some(own)) => return Ok(Truth::without_effects(own.clone())),
             (TruthSource::Bundled(name), _) => {
                 let text = truth_text(name).unwrap_or_default();
                 Text::new(format!("models/{name}/truth.toml"), text)
@@ -85,7 +85,7 @@ impl LoadedRobot {
                 if !path.is_file() {
                     // What the URDF and the file itself state.
                     if let Some(own) = own {
-                        return Ok(Truth::of(own.clone()));
+                        return Ok(Truth::without_effects(own.clone()));
                     }
                     let message = format!("{} not found: a simulated arm is made of its parameters", path.display());
                     let help = Remedy::task(Task::Export, "E.json").with_setting(Setting::To, "toml");

@@ -86,11 +86,20 @@ pub fn run_values(folder: &Path, metric: Metric) -> Result<Vec<RunValue>, Error>
     Ok(all)
 }
 
-/// Mean wall time of a design and of a run of a stored study, s.
+/// Mean wall times of a stored study, s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallTimes {
+    /// Of a design.
+    pub design: f64,
+    /// Of a run.
+    pub run: f64,
+}
+
+/// The mean wall times of a stored study.
 ///
 /// # Errors
 /// [`Error`] where the rows cannot be read.
-pub fn seconds_of(folder: &Path) -> Result<(f64, f64), Error> {
+pub fn wall_times(folder: &Path) -> Result<WallTimes, Error> {
     let (mut designs, mut runs) = ((0.0, 0.0), (0.0, 0.0));
     rows(&folder.join("timing.parquet"), &["kind", "seconds"], |row| {
         let Field::Double(seconds) = row[1] else { return };
@@ -99,7 +108,7 @@ pub fn seconds_of(folder: &Path) -> Result<(f64, f64), Error> {
         sum.1 += 1.0;
     })?;
     let mean = |(sum, count): (f64, f64)| if count > 0.0 { sum / count } else { 0.0 };
-    Ok((mean(designs), mean(runs)))
+    Ok(WallTimes { design: mean(designs), run: mean(runs) })
 }
 
 /// The column of a metric.

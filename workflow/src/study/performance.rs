@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use armid::observer::{Observer, Work};
 use armid::provenance::sha256;
-use armid::study::{MeasuredMotions, RunId, RunOrder, StudyDesign, StudyPlan, StudySetup};
+use armid::study::{MeasuredMotions, PlannedDesign, RunId, RunOrder, StudyDesign, StudyPlan, StudySetup};
 use rayon::prelude::*;
 
 use armid_io::Error;
@@ -81,7 +81,7 @@ impl Performance<'_> {
 
     /// Which designs are wanted.
     fn wanted(&self) -> Vec<bool> {
-        self.setup.designs().iter().map(|&(_, start)| start < self.starts).collect()
+        self.setup.designs().iter().map(|design| design.start < self.starts).collect()
     }
 
     /// Does the run at a position belong to this part and to the designs that are wanted?
@@ -154,7 +154,7 @@ impl Performance<'_> {
         let counter = Counter::new(self.observer, Work::Designs, missing.len());
         missing.into_par_iter().filter(|_| counter.goes_on()).try_for_each(|index| -> Result<(), Error> {
             let begin = Instant::now();
-            let ((family, start), latch) = (planned[index], Latch::new(self.observer));
+            let (PlannedDesign { family, start }, latch) = (planned[index], Latch::new(self.observer));
             let mut sequence = self.setup.designs_of_sequence(family, start, &latch).map_err(Error::of)?;
             if latch.has_ended() {
                 return Ok(());

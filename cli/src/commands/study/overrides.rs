@@ -42,7 +42,7 @@ impl Overrides {
             if let Some(truths) = self.truths {
                 let count = truths as usize;
                 let spread = plan.truths.take();
-                plan.truths = Some(spread.map_or(RandomTruths::of(count), |spread| RandomTruths { count, ..spread }));
+                plan.truths = Some(spread.map_or(RandomTruths::new(count), |spread| RandomTruths { count, ..spread }));
             }
             if let Some(arms) = &self.arm {
                 plan.engines = arms.iter().map(|arm| arm.name().to_owned()).collect();
