@@ -40,7 +40,7 @@ impl Arm for Exact {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let loaded: LoadedRobot = robot::named("crs-a460")?;
+    let loaded: LoadedRobot = robot::find("crs-a460")?;
     let parameters = loaded.truth()?.parameters;
     let plan = ExperimentPlan::new(trajectory::load("table-one", None, &loaded.robot)?).with_periods(2);
     let mut arm = Exact { robot: loaded.robot.clone(), parameters: parameters.clone() };

@@ -16,7 +16,7 @@ use armid_workflow::simulated_arm;
 const RUNS: u64 = 8;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let loaded = robot::named("crs-a460")?;
+    let loaded = robot::find("crs-a460")?;
     let (arm, nominal) = (&loaded.robot, loaded.nominal.as_ref().expect("bundled robots have a nominal file"));
     // What the simulated arm is made of. The estimator never sees it.
     let simulated = simulated_arm(&loaded, Engine::Analytic, Effects::none())?;

@@ -208,7 +208,7 @@ pub fn journal(bytes: &[u8]) {
 /// The study whose journal is among the seeds.
 fn setup() -> StudySetup {
     let plan = StudyPlan::from_toml(STUDY).expect("a plan");
-    let loaded = armid_io::robot::named(&plan.robot).expect("a bundled robot");
+    let loaded = armid_io::robot::find(&plan.robot).expect("a bundled robot");
     let (truth, nominal) = (loaded.truth().expect("its truth"), loaded.nominal.expect("its nominal parameters"));
     StudySetup::new(plan, loaded.robot, nominal, &truth).expect("a study")
 }

@@ -24,5 +24,5 @@ pub(crate) fn unexpected(message: impl Into<String>) -> PyErr {
 
 /// The exception for the fault of a library, in that library's own words.
 pub(crate) fn raised(fault: impl std::fmt::Display) -> PyErr {
-    exception(Error::of(fault))
+    exception(Error::new(fault))
 }

@@ -187,7 +187,7 @@ pub(crate) fn identify(
             (!termination.was_successful()).then(|| termination.to_string())
         });
         let unfinished: Vec<_> = unfinished.collect();
-        Ok((serde_json::to_value(&answer).map_err(Error::of)?, unfinished))
+        Ok((serde_json::to_value(&answer).map_err(Error::new)?, unfinished))
     })?;
     // What a callable raised says more than where it was called.
     let (answer, unfinished) =

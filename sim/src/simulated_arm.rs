@@ -87,7 +87,7 @@ impl SimulatedArm {
 
     /// Returns this arm with another truth; robot, servo and effects stay.
     #[must_use]
-    pub fn made_of(&self, truth: &Truth) -> Self {
+    pub fn with_truth(&self, truth: &Truth) -> Self {
         Self { truth: truth.clone(), ..self.clone() }
     }
 

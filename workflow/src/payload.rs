@@ -30,8 +30,10 @@ impl PayloadSide {
     /// [`Error`] where the log does not show every parameter, or the other side is of another robot; of
     /// [`armid_io::ErrorKind::Interrupted`] where the observer ended the work.
     pub fn of_log(
-        (log, inputs): (&mut ProcessedLog, Option<Inputs>),
-        (columns, estimator): (Columns, EstimatorKind),
+        log: &mut ProcessedLog,
+        inputs: Option<Inputs>,
+        columns: Columns,
+        estimator: EstimatorKind,
         other: Option<&Self>,
         observer: &dyn Observer,
     ) -> Result<Self, Error> {

@@ -25,7 +25,7 @@ pub(crate) fn answer(summary: &RobotsSummary, page: &Path) -> Result<Answer, Err
         table.render(0),
         page.display()
     );
-    let mut json = serde_json::to_value(summary).map_err(Error::of)?;
+    let mut json = serde_json::to_value(summary).map_err(Error::new)?;
     json["report"] = page.display().to_string().into();
     Ok(Answer { text, json })
 }

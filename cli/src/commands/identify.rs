@@ -167,7 +167,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         ..IdentifySettings::default()
     };
     let answer = identify(prepared, Some(inputs), &settings, &Watch::new(console))?;
-    let json = serde_json::to_value(&answer).map_err(Error::of)?;
+    let json = serde_json::to_value(&answer).map_err(Error::new)?;
     let robot = &answer.log.robot.robot;
     let said = answer.estimates.iter().map(|of| estimate_text(&answer.log, of, console.verbose()));
     let mut text: String = said.collect();

@@ -10,7 +10,7 @@ use armid::experiment::{Ending as PlanEnding, Sink};
 use armid_hardware::guard::fastest_point;
 use armid_io::Error as Fault;
 use armid_io::output::write_text;
-use armid_io::recording::{CsvSink, FileSink, McapSink, beside, check_free, part_of};
+use armid_io::recording::{CsvSink, FileSink, McapSink, with_sink_thread, check_free, part_path};
 use armid_reports::{Figure, poses_figure};
 use miette::Result;
 
@@ -250,7 +250,7 @@ fn left(arguments: &Arguments, console: &Console, experiment: &Experiment, path:
     let found = resumption::find(path, experiment)?;
     if matches!(found, Found::Nothing) {
         console
-            .note(format!("{} not found: nothing to continue, starting from the beginning", part_of(path).display()));
+            .note(format!("{} not found: nothing to continue, starting from the beginning", part_path(path).display()));
     }
     Ok(found)
 }
@@ -279,10 +279,10 @@ fn perform(
     let robot = &experiment.planned.robot.robot;
     let mut sink: Box<dyn FileSink + '_> = match part {
         _ if is_csv(path) => Box::new(CsvSink::new(path, on_sample).stopping_when(interrupt::asked)),
-        None => Box::new(McapSink::new(path, notes, on_sample).showing(robot).stopping_when(interrupt::asked)),
+        None => Box::new(McapSink::new(path, notes, on_sample).with_robot(robot).stopping_when(interrupt::asked)),
         Some(part) => {
             notes.insert("sessions".to_owned(), part.sessions(experiment.planned.plan.periods));
-            let sink = McapSink::new(path, notes, on_sample).showing(robot).resuming(part.continuation.samples());
+            let sink = McapSink::new(path, notes, on_sample).with_robot(robot).resuming(part.continuation.samples());
             Box::new(sink.stopping_when(interrupt::asked))
         }
     };
@@ -299,7 +299,7 @@ fn perform(
     let (performed, passed_on) = if experiment.arm == ArmKind::Ros2 {
         // No signal ends this process before the arm is at rest.
         let _moving = interrupt::moving();
-        beside(&mut *sink, interrupt::asked, work)
+        with_sink_thread(&mut *sink, interrupt::asked, work)
     } else {
         (work(&mut *sink), Ok(()))
     };
@@ -311,7 +311,7 @@ fn perform(
         // That nobody saw the arm at rest counts more than the file, and decides the exit status.
         Err(error) if performed.ending.is_unconfirmed() => {
             console.alarm(&format!("the recording is not whole: {error}"));
-            part_of(path)
+            part_path(path)
         }
         Err(error) => {
             if let Some(rest) = performed.ending.rest() {

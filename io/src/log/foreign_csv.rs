@@ -123,7 +123,7 @@ fn by_mapping(tables: &[LogTable], mapping: &Mapping, has_rate: bool) -> Result<
     }
     // Stamps that the format itself states need not be named.
     let stated = tables.iter().enumerate().find_map(|(k, table)| Some((k, table, table.columns()?.time?)));
-    if let Some((k, table, time)) = stated.filter(|_| !has_rate && mapping.of(Quantity::Time).is_none())
+    if let Some((k, table, time)) = stated.filter(|_| !has_rate && mapping.columns(Quantity::Time).is_none())
         && let Some(columns) = columns(table, &[time.to_owned()])
     {
         let (quantity, map) = (Quantity::Time, ColumnMap::new(Quantity::Time, time));
@@ -182,7 +182,7 @@ fn with_unit(tables: &[LogTable], mut found: Found) -> Found {
     let table = &tables[found.table];
     let (units, first) = (found.quantity.units(), found.columns.iter().flatten().next());
     let of_file = || first.and_then(|&column| Unit::parse(table.columns()?.unit(column)?, units));
-    let of_heading = || first.and_then(|&column| Unit::of_heading(&table.names()[column], units).map(|(unit, _)| unit));
+    let of_heading = || first.and_then(|&column| Unit::from_heading(&table.names()[column], units).map(|(unit, _)| unit));
     let said = found.map.unit.or_else(of_file).or_else(of_heading);
     found.unit = said.filter(|unit| *unit != Unit::Percent || found.map.rated.is_some()).unwrap_or(units[0]);
     found
@@ -199,7 +199,7 @@ fn by_headings(tables: &[LogTable], has_rate: bool) -> Result<Vec<Found>, Error>
             let headings = rows.names();
             let names: Vec<&str> = headings
                 .iter()
-                .map(|heading| Unit::of_heading(heading, quantity.units()).map_or(heading.as_str(), |(_, front)| front))
+                .map(|heading| Unit::from_heading(heading, quantity.units()).map_or(heading.as_str(), |(_, front)| front))
                 .collect();
             let at = |name: &str| names.iter().position(|found| found.eq_ignore_ascii_case(name));
             let columns = quantity.names().iter().find_map(|prefix| {

@@ -167,7 +167,7 @@ impl ProcessedLog {
     ///
     /// # Errors
     /// As [`Self::take_servo`]; where numbers are unknown that the estimate does not hold.
-    pub fn by_servo_of(&self, estimate: &Estimate, name: &str) -> Result<Cow<'_, Self>, Error> {
+    pub fn with_servo_of(&self, estimate: &Estimate, name: &str) -> Result<Cow<'_, Self>, Error> {
         if self.logs.iter().all(|log| log.servo.as_ref().is_none_or(|of| of.unknown.is_empty())) {
             return Ok(Cow::Borrowed(self));
         }

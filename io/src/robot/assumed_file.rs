@@ -58,14 +58,14 @@ pub fn assume(name: &str, ends: &ChainEnds, place: &Path) -> Result<Option<Assum
     fill(&mut table, &loaded, &mut assumptions)?;
     let sentences = assumptions.sentences();
     let heading: String = sentences.iter().map(|sentence| format!("# Assumed: {sentence}.\n")).collect();
-    let text = toml::to_string(&table).map_err(Error::of)?;
+    let text = toml::to_string(&table).map_err(Error::new)?;
     Ok(Some(AssumedFile { text: format!("{heading}\n{text}"), assumptions: sentences }))
 }
 
 /// The robot file as a table whose paths begin at the folder of `place`.
 fn table(name: &str, ends: &ChainEnds, place: &Path) -> Result<Table, Error> {
     let path = Path::new(name);
-    let of_toml = |text: &str| text.parse::<Table>().map_err(Error::of);
+    let of_toml = |text: &str| text.parse::<Table>().map_err(Error::new);
     if path.extension().is_some_and(|extension| extension == "toml") {
         let mut table = of_toml(&Text::read(path)?.content)?;
         if let Some(Value::String(urdf)) = table.get_mut("urdf") {

@@ -259,7 +259,7 @@ fn with_urdf(text: Text, folder: &Path) -> Result<(Text, Option<PathBuf>), Error
     if !path.is_file() {
         let message = format!("URDF not found: {}", path.display());
         let help = "urdf is a path relative to the robot file";
-        return Err(Error::unknown(message).help(help).at(&text, reference.span, "here"));
+        return Err(Error::unknown(message).help(help).at_span(&text, reference.span, "here"));
     }
     let urdf = Text::read(&path)?;
     // A fault in the URDF is shown there.

@@ -197,7 +197,7 @@ evaluations = 2
     pub(in crate::study) fn setup() -> StudySetup {
         let mut plan = StudyPlan::from_toml(PLAN).unwrap();
         plan.engines = vec!["analytic".to_owned(), "rapier".to_owned()];
-        let loaded = robot::named(&plan.robot).unwrap();
+        let loaded = robot::find(&plan.robot).unwrap();
         let (truth, nominal) = (loaded.truth().unwrap(), loaded.nominal.unwrap());
         StudySetup::new(plan, loaded.robot, nominal, &truth).unwrap()
     }

@@ -99,7 +99,7 @@ impl ForeignTable {
             let per = if self.headings.is_some() { "one per heading" } else { "as many as in the first row" };
             let message = format!("found {found} values, expected {width}, {per}");
             let help = format!("values were taken to be separated by {}", self.dialect.separator.name());
-            return Err(Error::new(message).at(&self.text, range.clone(), "this row").help(help));
+            return Err(Error::new(message).at_span(&self.text, range.clone(), "this row").help(help));
         }
         if self.cut_off {
             self.rows.pop();
@@ -148,7 +148,7 @@ impl ForeignTable {
                     None => {
                         let name = &self.names()[column];
                         let message = format!("{name}: found \"{field}\", expected a number");
-                        return Err(Error::new(message).at(&self.text, at, "no number"));
+                        return Err(Error::new(message).at_span(&self.text, at, "no number"));
                     }
                 });
             }
@@ -163,12 +163,12 @@ impl ForeignTable {
             None => self.rows.first().cloned().unwrap_or(0..0),
         };
         let label = if self.headings.is_some() { "the headings" } else { "the first row: there are no headings" };
-        Error::new(message).at(&self.text, span, label)
+        Error::new(message).at_span(&self.text, span, label)
     }
 
     /// A fault at a row.
     pub(crate) fn row_fault(&self, row: usize, message: impl Into<String>) -> Error {
-        Error::new(message).at(&self.text, self.rows[row].clone(), "this row")
+        Error::new(message).at_span(&self.text, self.rows[row].clone(), "this row")
     }
 }
 

@@ -39,7 +39,7 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
             assumptions = file.assumptions;
             "robot.toml".to_owned()
         }
-        None if robot::named(&settings.robot).is_ok() => settings.robot.clone(),
+        None if robot::find(&settings.robot).is_ok() => settings.robot.clone(),
         None => {
             let path = Path::new(&settings.robot);
             std::path::absolute(path).map_err(|error| Error::unreadable(path, &error))?.display().to_string()
@@ -56,7 +56,7 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
         arms: settings.arms,
         seed: settings.seed,
     };
-    let plan = made.plan().map_err(Error::of)?;
+    let plan = made.plan().map_err(Error::new)?;
     let study = StudySettings {
         output: folder.to_path_buf(),
         beside: Some(folder.to_path_buf()),

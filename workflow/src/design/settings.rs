@@ -126,7 +126,7 @@ impl DesignSettings {
     pub(super) fn robot(&self, loaded: &LoadedRobot) -> Result<Robot, Error> {
         let mut robot = loaded.robot.clone();
         if let Some(acceleration) = self.max_acceleration {
-            robot = robot.with_joints(|joint| joint.limits.acceleration = acceleration).map_err(Error::of)?;
+            robot = robot.with_joints(|joint| joint.limits.acceleration = acceleration).map_err(Error::new)?;
         }
         if let Some(z) = self.keep_above_m {
             if !z.is_finite() {

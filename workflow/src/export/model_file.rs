@@ -141,7 +141,8 @@ struct Intervals {
 /// [`Error`] where the estimate is of another robot, no model of these terms explains the log, or the file does not read back; of
 /// [`ErrorKind::Interrupted`] where the observer ended the fit.
 pub fn export(
-    (estimate, name): (&Estimate, &str),
+    estimate: &Estimate,
+    name: &str,
     mut log: ProcessedLog,
     settings: &ExportSettings,
     observer: &dyn Observer,
@@ -271,7 +272,7 @@ impl Fitted<'_> {
 
     fn compared(&self, log: &ProcessedLog, what: &'static str, richer: &Model<'_>) -> Result<Lacking, Error> {
         let error = PredictionError::of(&log.model_residual(richer, what)?).fit;
-        let named = |error: armid::estimation::EstimationError| Error::of(error);
+        let named = |error: armid::estimation::EstimationError| Error::new(error);
         let states = &log.samples.states;
         let own = Model { robot: self.robot, parameters: self.parameters }.predict(states).map_err(named)?;
         let other = richer.predict(states).map_err(named)?;

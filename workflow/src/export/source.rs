@@ -58,7 +58,8 @@ pub struct Recomputed {
 /// # Errors
 /// [`Error`] where the estimate is of another robot, lacks base parameters, or has terms that source code has not.
 pub fn export_source(
-    (estimate, name): (&Estimate, &str),
+    estimate: &Estimate,
+    name: &str,
     loaded: &LoadedRobot,
     language: Language,
     file: Option<PathBuf>,

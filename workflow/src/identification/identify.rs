@@ -104,8 +104,9 @@ pub fn identify(
         if ended { Default::default() } else { (log.suspicions(columns)?, FileError::all(&log, &latch)) };
     let interrupted = ended || latch.has_ended();
     let identified = |estimate: Estimate| {
-        let (used, held_out) = log.residual(&estimate, NAME)?;
-        let verdict = Verdict::new(&estimate, (&used, held_out.as_ref()), (&log, &suspicions), &files);
+        let residual = log.residual(&estimate, NAME)?;
+        let verdict = Verdict::new(&estimate, &residual, &log, &suspicions, &files);
+        let LogResidual { used, held_out } = residual;
         Ok(Identified { expressions: log.expressions(&estimate, NAME)?, verdict, estimate, used, held_out })
     };
     let estimates = estimates.into_iter().map(identified).collect::<Result<Vec<_>, Error>>()?;

@@ -16,7 +16,7 @@ impl Performance<'_> {
         rule: &StoppingRule,
         words: &str,
     ) -> Result<Option<(Looks, FinishedWork)>, Error> {
-        let families = rule.families(&self.setup.plan).map_err(Error::of)?;
+        let families = rule.families(&self.setup.plan).map_err(Error::new)?;
         let mut looks = Looks { until: words.to_owned(), looks: Vec::new(), termination: "all-starts" };
         for (starts, bound) in StoppingRule::looks(self.setup.plan.designs[families[0]].starts) {
             self.starts = starts;

@@ -46,7 +46,7 @@ impl Overrides {
             }
             if let Some(arms) = &self.arm {
                 plan.engines = arms.iter().map(|arm| arm.name().to_owned()).collect();
-                plan.check().map_err(Error::of)?;
+                plan.check().map_err(Error::new)?;
             }
         }
         let request = Request { study: study.to_owned(), plans, beside, below: None };

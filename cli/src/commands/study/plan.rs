@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
 type Sized = (StudySize, f64);
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
-    let rule: StoppingRule = arguments.until.parse().map_err(Error::of)?;
+    let rule: StoppingRule = arguments.until.parse().map_err(Error::new)?;
     let pilot = read_study(&arguments.folder)?.result;
     if pilot.plan.runs_of_noise() > 1 {
         let message = format!(
