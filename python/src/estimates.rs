@@ -217,7 +217,7 @@ pub(crate) fn torque<'py>(
     Ok((is_held_out, rate_hz, [table(measured)?, table(predicted)?]))
 }
 
-/// The same as the figure of the page: one SVG element.
+/// The figure of the page as one SVG element.
 #[pyfunction]
 pub(crate) fn draw(py: Python<'_>, robot: &Robot, file: File<'_>, logs: [Vec<PyRef<'_, Log>>; 2]) -> PyResult<String> {
     compared(py, robot, file, logs, |torque| torque.svg())
@@ -278,7 +278,7 @@ pub(crate) enum Side<'py> {
     Logs(Vec<PyRef<'py, Log>>),
 }
 
-/// The same, which a thread may keep.
+/// A [`Side`] that a thread may keep.
 enum Kept {
     Estimate(Box<PayloadSide>),
     Logs(Vec<Log>),

@@ -118,7 +118,7 @@ fn identity_work_that_is_ended_returns_its_last_iterate_and_stops_there() {
     }
 }
 
-/// The same motion as a log of another tool that has no periods.
+/// The log as another tool would write it, without periods.
 fn foreign(log: &ProcessedLog) -> ProcessedLog {
     let samples = &log.samples;
     let arrays = LogArrays {

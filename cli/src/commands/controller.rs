@@ -115,11 +115,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     stand(arguments, &simulated, &mut plant)?;
     let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos());
     let rate = arguments.rate.unwrap_or(simulated.robot().servo().rate_hz);
-    let clock = (rate, i64::try_from(now).unwrap_or(0));
-    let seed = (Seed::new(arguments.seed), 0);
+    let (seed, epoch_ns) = (Seed::new(arguments.seed), i64::try_from(now).unwrap_or(0));
+    let (robot, nominal) = (simulated.robot(), simulated.nominal());
     let watchdog = Watchdog { hold_s: 1e-3 * arguments.hold_ms, disable_s: 1e-3 * arguments.disable_ms };
     let mut controller =
-        RobotController::new(simulated.robot(), simulated.nominal(), plant, &Sensing::default(), seed, clock)
+        RobotController::new(robot, nominal, plant, &Sensing::default(), seed, 0, rate, epoch_ns)
             .map_err(|error| fault(&error))?
             .with_fault(arguments.fault)
             .with_homed(!arguments.not_homed)

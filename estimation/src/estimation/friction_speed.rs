@@ -116,7 +116,8 @@ impl FrictionSpeeds {
     /// The speeds of a base of these columns; `None` where no column has one.
     pub(super) fn find(
         robot: &Robot,
-        (columns, base): (Columns, &BaseReduction),
+        columns: Columns,
+        base: &BaseReduction,
         samples: &Samples,
         shape: ShapeParameter,
         observer: &dyn Observer,

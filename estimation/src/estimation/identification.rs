@@ -244,7 +244,7 @@ impl Identification {
         shape: ShapeParameter,
         observer: &dyn Observer,
     ) -> Result<Option<FrictionSpeeds>, EstimationError> {
-        FrictionSpeeds::find(&self.robot, (self.columns(), &self.base), samples, shape, observer)
+        FrictionSpeeds::find(&self.robot, self.columns(), &self.base, samples, shape, observer)
     }
 
     /// The equations of one experiment.

@@ -163,7 +163,7 @@ impl ProcessedLog {
         Ok(())
     }
 
-    /// The same logs by the servos that an estimate found.
+    /// These logs with the servos that an estimate found.
     ///
     /// # Errors
     /// As [`Self::take_servo`]; where numbers are unknown that the estimate does not hold.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use armid::estimation::{Estimate, Estimator, EstimatorKind, FrictionSpeeds, Termination, candidate_terms};
 use armid::model::Columns;
 use armid::observer::Observer;
+use armid_io::log::LogResidual;
 use armid_io::{Error, Inputs, ProcessedLog};
 use armid_sim::closed_loop;
 

@@ -118,7 +118,7 @@ impl<F: Fn(Columns) -> Result<Identification, EstimationError>> Search<'_, F> {
         };
         let beta = LinearFit::weighted(&Factorisation::new(&observation)?)?.fit.solution().clone();
         let word = CURRENT_LAG.entry().name;
-        let Some(lag) = Beside::of(word, robot, (&observation, self.samples), beta.as_slice())? else {
+        let Some(lag) = Beside::of(word, robot, &observation, self.samples, beta.as_slice())? else {
             let parameter = CURRENT_LAG.symbol().to_owned();
             return Err(EstimationError::NotExcited { parameter, independent: 0.0, least: 0.0 });
         };
@@ -190,7 +190,7 @@ impl<F: Fn(Columns) -> Result<Identification, EstimationError>> Search<'_, F> {
         let robot = identification.problem(&step.observation, self.samples).robot;
         let beta = step.linear.fit.solution();
         let beside = match robot {
-            Some(robot) => Beside::of(word, robot, (&step.observation, self.samples), beta.as_slice()),
+            Some(robot) => Beside::of(word, robot, &step.observation, self.samples, beta.as_slice()),
             None => Ok(None),
         };
         let beside = match beside {

@@ -50,7 +50,7 @@ impl Step {
             (linear, estimate)
         };
         let predictions = match &linear.weights {
-            Some(weights) => Predictions::new(&observation, (weights, &linear.fit), unseen)?,
+            Some(weights) => Predictions::new(&observation, weights, &linear.fit, unseen)?,
             None => None,
         };
         Ok(Self {
