@@ -100,28 +100,28 @@ impl Remedy {
         Self::default().perform(task, to)
     }
 
-    /// Goes on with words.
+    /// Adds words.
     #[must_use]
     pub fn say(mut self, words: impl Into<String>) -> Self {
         self.0.push(Part::Words(words.into()));
         self
     }
 
-    /// Goes on with a setting.
+    /// Adds a setting.
     #[must_use]
     pub fn setting(mut self, setting: Setting) -> Self {
         self.0.push(Part::Setting(setting, None));
         self
     }
 
-    /// Goes on with a setting and its value.
+    /// Adds a setting and its value.
     #[must_use]
     pub fn setting_to(mut self, setting: Setting, value: impl Into<String>) -> Self {
         self.0.push(Part::Setting(setting, Some(value.into())));
         self
     }
 
-    /// Goes on with a task.
+    /// Adds a task.
     #[must_use]
     pub fn perform(mut self, task: Task, to: &str) -> Self {
         self.0.push(Part::Task(task, to.to_owned(), Vec::new()));

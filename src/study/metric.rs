@@ -38,7 +38,7 @@ crate::input::named! { Metric as title {
 } }
 
 impl Metric {
-    /// Those of the first table, in which a study compares designs; predictions on other kinds of motion have a table of their own.
+    /// The metrics of the first table, in which a study compares designs; predictions on other kinds of motion have a table of their own.
     pub const OF_ERRORS: [Self; 6] =
         [Self::Prediction, Self::PredictionOfRating, Self::LogVolume, Self::Reference, Self::Si, Self::Measured];
 

@@ -61,7 +61,7 @@ pub struct StudySize {
 }
 
 impl VarianceComponents {
-    /// From a pilot's logarithms of ratios, by pair of starts and by run: every pair has as many runs, and run r of every
+    /// The components by a pilot's logarithms of ratios, by pair of starts and by run: every pair has as many runs, and run r of every
     /// pair is on the same truth where truths are drawn, one for each run. `None` of fewer than two pairs or runs.
     pub fn from_pilot(logs: &[Vec<f64>], truths: bool) -> Option<Self> {
         let (starts, runs) = (logs.len(), logs.first()?.len());

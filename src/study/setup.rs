@@ -135,7 +135,7 @@ impl StudySetup {
         })
     }
 
-    /// With what makes the closed loop of an experiment, for estimators that simulate.
+    /// Adds what makes the closed loop of an experiment, for estimators that simulate.
     #[must_use]
     pub fn with_closed_loops(self, factory: ClosedLoopFactory) -> Self {
         Self { closed_loops: Some(factory), ..self }

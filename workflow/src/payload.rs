@@ -23,7 +23,7 @@ pub struct PayloadSide {
 }
 
 impl PayloadSide {
-    /// By a log, with the speeds of friction of the other side where that is there already. Else they are found where the log has no periods,
+    /// The estimate from a log, with the speeds of friction of the other side where that is there already. Else they are found where the log has no periods,
     /// and become those of its robot.
     ///
     /// # Errors

@@ -146,26 +146,26 @@ impl Identification {
         }
     }
 
-    /// With tests of the laws that drives have and the model omits: friction of the load, current lag, elasticity and presliding. Intervals include
+    /// Adds tests of the laws that drives have and the model omits: friction of the load, current lag, elasticity and presliding. Intervals include
     /// what the log cannot exclude of them, and a [`Finding::EffectShown`] names each that it supports.
     #[must_use]
     pub fn with_omitted_laws(self) -> Self {
         Self { tests_laws: true, ..self }
     }
 
-    /// With the closed loop in which the samples were recorded, or what is not known of it, for estimators that simulate.
+    /// Adds the closed loop in which the samples were recorded, or what is not known of it, for estimators that simulate.
     #[must_use]
     pub fn with_closed_loop(self, closed_loop: Result<Arc<dyn ClosedLoop>, ClosedLoopError>) -> Self {
         Self { closed_loop, ..self }
     }
 
-    /// With a nominal set; estimates then carry a full set of standard parameters, see [`super::complete`].
+    /// Adds a nominal set. Estimates then carry a full set of standard parameters, see [`super::complete`].
     #[must_use]
     pub fn with_nominal(self, nominal: &StandardParameters) -> Self {
         Self { nominal: Some(nominal.clone()), ..self }
     }
 
-    /// With the parameters that estimators which simulate the arm begin with, in place of the weighted linear fit.
+    /// Sets the parameters from which estimators that simulate the arm begin, instead of the weighted linear fit.
     #[must_use]
     pub fn with_start(self, start: &StandardParameters) -> Self {
         Self { start: Some(start.clone()), ..self }

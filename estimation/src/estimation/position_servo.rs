@@ -36,7 +36,7 @@ impl fmt::Display for ServoPart {
 }
 
 impl ServoPart {
-    /// Of a name: `delay`, or `kp`, `kd` or `zero` with the number of a joint from one.
+    /// Reads a name: `delay`, or `kp`, `kd` or `zero` with the number of a joint from one.
     pub fn parse(name: &str) -> Option<Self> {
         if name == "delay" {
             return Some(Self::Delay);
@@ -80,7 +80,7 @@ pub struct PositionServo {
     pub delay_s: f64,
     /// What is added to the encoders, rad (m), n; empty where nothing is.
     pub zero: Vec<f64>,
-    /// Those of the numbers that are guesses, to be estimated.
+    /// The numbers that are guesses, to be estimated.
     pub unknown: Vec<ServoPart>,
 }
 

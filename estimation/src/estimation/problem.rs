@@ -63,28 +63,28 @@ impl<'a> EstimationProblem<'a> {
         }
     }
 
-    /// With the robot.
+    /// Adds the robot.
     #[must_use]
     pub const fn with_robot(mut self, robot: &'a Robot) -> Self {
         self.robot = Some(robot);
         self
     }
 
-    /// With the samples.
+    /// Adds the samples.
     #[must_use]
     pub const fn with_samples(mut self, samples: &'a Samples) -> Self {
         self.samples = Some(samples);
         self
     }
 
-    /// With the closed loop, or what is not known of it.
+    /// Adds the closed loop, or what is not known of it.
     #[must_use]
     pub const fn with_closed_loop(mut self, closed_loop: Result<&'a dyn ClosedLoop, &'a ClosedLoopError>) -> Self {
         self.closed_loop = closed_loop;
         self
     }
 
-    /// With the factorisation of its equations.
+    /// Adds the factorisation of its equations.
     #[must_use]
     pub const fn with_factorisation(mut self, factorisation: &'a Factorisation<'a>) -> Self {
         self.factorisation = Some(factorisation);
@@ -141,7 +141,7 @@ impl<'a> EstimationProblem<'a> {
         self.nominal.ok_or(EstimationError::Missing { estimator: estimator.to_owned(), part: ProblemPart::Nominal })
     }
 
-    /// With a nominal set; estimates then carry a full set of standard parameters, see [`super::complete`].
+    /// Adds a nominal set. Estimates then carry a full set of standard parameters, see [`super::complete`].
     #[must_use]
     pub const fn with_nominal(mut self, nominal: &'a StandardParameters) -> Self {
         self.nominal = Some(nominal);

@@ -77,7 +77,7 @@ impl ProcessedLog {
         self.robot.robot.joints().iter().map(|joint| joint.name.clone()).collect()
     }
 
-    /// By what the efforts of these logs became torques, n: torque constants of a mapping or of the robot, or the stiffness of servos.
+    /// The factors by which the efforts of these logs became torques, n: torque constants of a mapping or of the robot, or the stiffness of servos.
     ///
     /// # Errors
     /// [`Error`] where a log holds torques, or those of servos with damping, or the logs state unlike constants.

@@ -141,7 +141,7 @@ impl JointLoop {
         self.controller.memory().concat()
     }
 
-    /// Goes on with this memory (3n), as if the servo had come to it.
+    /// Continues with this memory (3n), as if the servo had come to it.
     ///
     /// # Panics
     /// If it is of another number of joints.

@@ -28,7 +28,7 @@ pub struct LagProducts {
 }
 
 impl LagProducts {
-    /// Of `x`, N × n row-major; `wraps` where the samples are one period.
+    /// The products of `x`, N × n row-major; `wraps` where the samples are one period.
     pub fn new(x: &[f64], dof: usize, wraps: bool) -> Self {
         let series = (0..dof).flat_map(|i| x.iter().skip(i).step_by(dof).copied()).collect();
         Self { dof, wraps, series, all: Vec::new() }

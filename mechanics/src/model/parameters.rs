@@ -134,7 +134,7 @@ impl StandardParameters {
         columns.parameters(robot).into_iter().map(|id| self.get(id)).collect::<Vec<f64>>().into()
     }
 
-    /// From a vector φ for these columns of a robot; parameters that it does not hold are zero.
+    /// The parameters of a vector φ for these columns of a robot. Parameters that it does not hold are zero.
     ///
     /// # Panics
     /// If the vector's length is not the number of columns.

@@ -64,7 +64,7 @@ impl Weights {
 }
 
 impl<V: Lane> BodyRegressor<V> {
-    /// For bodies with spatial velocity `v` and acceleration `a`, each in its own frame.
+    /// The regressors of bodies with spatial velocity `v` and acceleration `a`, each in its own frame.
     #[inline(always)]
     pub fn new(v: &LaneMotion<V>, a: &LaneMotion<V>) -> Self {
         let ([x, y, z], [dx, dy, dz]) = (v.ang, a.ang);
@@ -129,7 +129,7 @@ impl<V: Lane> BodyRegressor<V> {
 }
 
 impl BodyRegressor {
-    /// For a body with spatial velocity `v` and acceleration `a`, in its own frame.
+    /// The regressor of a body with spatial velocity `v` and acceleration `a`, in its own frame.
     #[inline]
     pub fn new(v: &Motion, a: &Motion) -> Self {
         Self::new(&v.into(), &a.into())

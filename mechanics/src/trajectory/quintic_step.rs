@@ -31,7 +31,7 @@ pub struct QuinticStep {
 }
 
 impl QuinticStep {
-    /// At `u`, taken as 0 below 0 and as 1 above 1.
+    /// S and its derivatives at `u`, which is taken as 0 below 0 and as 1 above 1.
     pub fn evaluate(u: f64) -> Self {
         let u = u.clamp(0.0, 1.0);
         let cube = u * u * u;

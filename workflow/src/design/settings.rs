@@ -33,7 +33,7 @@ pub struct HeaviestLoad {
 }
 
 impl HeaviestLoad {
-    /// As a body in the frame of the last link.
+    /// The load as a body in the frame of the last link.
     ///
     /// # Errors
     /// [`Error`] where the mass is not a finite number above zero or the centre is no point.

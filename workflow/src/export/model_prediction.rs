@@ -26,13 +26,13 @@ impl PredictionError {
         Self { fit: share(&residual.used.all), held_out: residual.held_out.as_ref().map(|part| share(&part.all)) }
     }
 
-    /// Of what is held out, or else of the fit.
+    /// The error of what is held out, or else of the fit.
     pub fn shown(&self) -> f64 {
         self.held_out.unwrap_or(self.fit)
     }
 }
 
-/// That of a file next to that of the estimate.
+/// The prediction error of a file next to that of the estimate.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct ModelPrediction {
     /// Of the file.

@@ -128,7 +128,7 @@ shapes! {
 }
 
 impl ResidualShape {
-    /// In which figure it shows.
+    /// The quantity against which the residual shows it.
     pub const fn against(self) -> Against {
         self.entry().against
     }

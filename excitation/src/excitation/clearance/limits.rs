@@ -47,7 +47,7 @@ pub struct ClearanceLimits {
 }
 
 impl ClearanceLimits {
-    /// At least `clearance` (m) between all bodies of `scene`, watched on a grid of `samples`.
+    /// The limit of at least `clearance` (m) between all bodies of `scene`, watched on a grid of `samples`.
     pub fn new(scene: Scene, basis: &MotionBasis, samples: usize, clearance: f64) -> Self {
         let states = States::with_len(basis.dof(), samples);
         let sampled = SampledBasis::new(basis.clone(), samples);

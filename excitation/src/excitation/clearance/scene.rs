@@ -187,7 +187,7 @@ impl Scene {
         }
     }
 
-    /// By how much the distance of a pair can shrink at most while each joint moves by up to `moved` (n).
+    /// The most by which the distance of a pair can shrink while each joint moves by up to `moved` (n).
     pub fn closing(&self, pair: usize, moved: &[f64]) -> f64 {
         let Pair { from, to, reach, .. } = &self.pairs[pair];
         reach.iter().zip(&moved[*from..*to]).map(|(reach, moved)| reach * moved).sum()

@@ -48,7 +48,7 @@ pub struct WorstEfforts {
 }
 
 impl WorstEfforts {
-    /// Over period and ramps of an experiment around a motion, on a grid of `samples` per period, refined in time.
+    /// The largest uses over period and ramps of an experiment around a motion, on a grid of `samples` per period, refined in time.
     pub fn compute(
         model: &mut EffortModel,
         channels: &[Channel],

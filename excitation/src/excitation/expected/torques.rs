@@ -54,7 +54,7 @@ pub struct EffectTorques {
 }
 
 impl EffectTorques {
-    /// Of motions of `robot` with `samples` samples of a period of `period_s` s.
+    /// The torques in motions of `robot` with `samples` samples of a period of `period_s` s.
     pub fn new(robot: &Robot, expected: &ExpectedEffects, samples: usize, period_s: f64) -> Self {
         let nominal = &expected.nominal;
         let columns = Columns::RIGID_ROTOR_FRICTION.with_terms_of(nominal);
