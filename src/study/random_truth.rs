@@ -102,14 +102,14 @@ impl RandomTruths {
     /// [`TruthError`] where a link of `centre` is physically inconsistent.
     pub fn draw(&self, centre: &Truth, seed: Seed) -> Result<Vec<Truth>, TruthError> {
         let draw = |index| {
-            let truth = self.one(centre, &mut seed.stream("truth", index))?;
+            let truth = self.draw_one(centre, &mut seed.stream("truth", index))?;
             let effects = seed.child("effects of a truth", index);
             Ok(if self.draw_effects { Truth { effects: truth.effects.with_seed(effects), ..truth } } else { truth })
         };
         (0..self.count as u64).map(draw).collect()
     }
 
-    fn one(&self, centre: &Truth, rng: &mut impl Rng) -> Result<Truth, TruthError> {
+    fn draw_one(&self, centre: &Truth, rng: &mut impl Rng) -> Result<Truth, TruthError> {
         let mut parameters = centre.parameters.clone();
         for (index, link) in parameters.links.iter_mut().enumerate() {
             *link = self.link(link, rng).map_err(|fault| TruthError { link: index + 1, fault })?;

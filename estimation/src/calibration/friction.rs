@@ -113,12 +113,12 @@ pub fn friction(recording: &Recording, robot: &Robot, joint: usize) -> Result<Fr
     let weights: Vec<f64> = means.iter().map(|mean| mean.2).collect();
     let line = Line::through(&points, &weights)?;
     let noise = variance / periods as f64;
-    let residual: f64 = points.iter().map(|point| (point.friction.value - line.at(point.speed)).powi(2)).sum();
+    let residual: f64 = points.iter().map(|point| (point.friction.value - line.value(point.speed)).powi(2)).sum();
     let stribeck = if points.len() >= 4 {
         let half = points.len() / 2;
         let fast = Line::through(&points[half..], &weights[half..])?;
         let slow = points[0];
-        let excess = slow.friction.value - fast.at(slow.speed);
+        let excess = slow.friction.value - fast.value(slow.speed);
         let spread = (noise / weights[0] + noise * fast.variance_at(slow.speed)).sqrt();
         Some(Measured::new(excess, spread, freedom))
     } else {
@@ -126,7 +126,7 @@ pub fn friction(recording: &Recording, robot: &Robot, joint: usize) -> Result<Fr
     };
     Ok(Friction {
         viscous: Measured::new(line.slope(), (noise * line.covariance[(1, 1)]).sqrt(), freedom),
-        coulomb: Measured::new(line.at(0.0), (noise * line.covariance[(0, 0)]).sqrt(), freedom),
+        coulomb: Measured::new(line.value(0.0), (noise * line.covariance[(0, 0)]).sqrt(), freedom),
         stribeck,
         residual_rms: (residual / points.len() as f64).sqrt(),
         points,
@@ -185,7 +185,7 @@ impl Line {
         self.solution[1]
     }
 
-    fn at(&self, speed: f64) -> f64 {
+    fn value(&self, speed: f64) -> f64 {
         self.solution[0] + self.solution[1] * speed
     }
 

@@ -51,7 +51,7 @@ impl Overrides {
         }
         let request = Request { study: study.to_owned(), plans, beside, below: None };
         match &self.robot {
-            Some(robot) => Ok(request.on(robot)?),
+            Some(robot) => Ok(request.for_robot(robot)?),
             None => Ok(request),
         }
     }

@@ -245,7 +245,7 @@ fn identity_columns_are_those_of_the_regressor_and_slopes_their_central_differen
     assert_eq!(n, 6);
     for speed in [0.05, 0.3, 0.7] {
         let by_regressor = identification(&with_speed(&robot, speed));
-        let found = of.at(&observation, &vec![speed; n]);
+        let found = of.observation_at(&observation, &vec![speed; n]);
         assert!((found.regressor - by_regressor.regressor).amax() < 1e-12, "{speed}");
     }
     let beta = nalgebra::DVector::from_fn(observation.base.rank(), |j, _| 1.0 + 0.1 * j as f64);
@@ -256,7 +256,7 @@ fn identity_columns_are_those_of_the_regressor_and_slopes_their_central_differen
         let torque = |logarithm: f64| {
             let mut speeds = vec![speed; n];
             speeds[joint] = speed * libm::exp(logarithm);
-            of.at(&observation, &speeds).regressor * &beta
+            of.observation_at(&observation, &speeds).regressor * &beta
         };
         let difference = (torque(h) - torque(-h)) / (2.0 * h);
         // Truncation h² and rounding 1e-16/h, of a torque of some ten.

@@ -121,7 +121,7 @@ impl EffectTorques {
                     }
                 }
                 EffectLaw::Late(time) => {
-                    for (out, rate) in column.iter_mut().zip(self.derivative.of(&self.torque)) {
+                    for (out, rate) in column.iter_mut().zip(self.derivative.apply(&self.torque)) {
                         *out = time * rate;
                     }
                 }
@@ -216,8 +216,8 @@ impl EffectTorques {
                 *bend = load.iter().enumerate().map(|(j, load)| compliance[(i, j)] * load).sum();
             }
         }
-        let rate = self.derivative.of(&bend);
-        let second = self.derivative.of(&rate);
+        let rate = self.derivative.apply(&bend);
+        let second = self.derivative.apply(&rate);
         let less = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x - y).collect();
         States { dof: n, q: less(&states.q, &bend), qd: less(&states.qd, &rate), qdd: less(&states.qdd, &second) }
     }
