@@ -62,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let loaded = robot::find("crs-a460")?;
     let (arm, nominal) = (&loaded.robot, loaded.nominal.as_ref().expect("bundled robots have a nominal file"));
     let simulated = simulated_arm(&loaded, Engine::Analytic, Effects::none())?;
-    let truth = &simulated.truth().parameters;
+    let truth = &simulated.truth.parameters;
     let plan = ExperimentPlan::new(trajectory::load("table-one", None, arm)?);
     let mut servo = simulated.servo(&Sensing::default())?.with_seed(Seed::new(1), 0);
     let mut samples = process(&record(&mut servo, &plan)?.0, arm, &Processing::default())?;

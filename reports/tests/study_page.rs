@@ -37,9 +37,8 @@ fn input() -> ReportInput {
 }
 
 fn svg(document: &Document, name: &str) -> String {
-    let files = document.svg_files().unwrap();
-    let file = files.iter().find(|(file, _)| file.strip_suffix(".svg") == Some(name));
-    file.unwrap_or_else(|| panic!("no figure {name}")).1.to_owned()
+    let figure = document.figures().find(|figure| figure.name == name);
+    figure.unwrap_or_else(|| panic!("no figure {name}")).svg.clone()
 }
 
 #[test]

@@ -57,9 +57,12 @@ pub enum SimulationError {
 /// ```
 #[derive(Clone, Debug)]
 pub struct SimulatedArm {
-    robot: Robot,
-    nominal: StandardParameters,
-    truth: Truth,
+    /// The robot.
+    pub robot: Robot,
+    /// The parameters that its servo is tuned by.
+    pub nominal: StandardParameters,
+    /// What it is made of.
+    pub truth: Truth,
     engine: Engine,
     /// Added to those of the truth; where both have one, these count.
     effects: Effects,
@@ -89,21 +92,6 @@ impl SimulatedArm {
     #[must_use]
     pub fn with_truth(&self, truth: &Truth) -> Self {
         Self { truth: truth.clone(), ..self.clone() }
-    }
-
-    /// The robot.
-    pub const fn robot(&self) -> &Robot {
-        &self.robot
-    }
-
-    /// The parameters that its servo is tuned by.
-    pub const fn nominal(&self) -> &StandardParameters {
-        &self.nominal
-    }
-
-    /// What it is made of.
-    pub const fn truth(&self) -> &Truth {
-        &self.truth
     }
 
     /// The arm for one run, with these sensors.

@@ -204,7 +204,7 @@ fn reduced_use(experiment: &mut Experiment, line_mm_s: Option<f64>) -> Result<f6
         return Err(Fault::new(format!("--reduced-speed is {line}, expected more than 0 and at most 1000 mm/s")).into());
     }
     experiment.guard.reduced_speed_mm_s = line;
-    let layout = experiment.planned.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
+    let layout = experiment.planned.plan.layout().map_err(Fault::new)?;
     Ok(1e3 * fastest_point(&experiment.planned.robot.robot, &experiment.planned.plan, &layout).speed / line)
 }
 
@@ -222,7 +222,7 @@ fn at_speed(experiment: &Experiment, speed: Speed, first_run: bool) -> Experimen
 
 /// The plan can be performed and stays inside the robot's limits.
 fn fits(experiment: &Experiment) -> Result<()> {
-    let layout = experiment.planned.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
+    let layout = experiment.planned.plan.layout().map_err(Fault::new)?;
     experiment.planned.plan.check_limits(&experiment.planned.robot.robot).map_err(|error| {
         let help = "nothing has moved; choose another trajectory, a longer period or longer ramps";
         miette::Report::from(Fault::new(format!("{}: {error}", experiment.planned.text.name)).help(help))
@@ -264,7 +264,7 @@ fn perform(
     path: &Path,
     part: Option<&Part>,
 ) -> Result<Done> {
-    let layout = experiment.planned.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
+    let layout = experiment.planned.plan.layout().map_err(Fault::new)?;
     let bar = bar(console, layout.samples() as u64, "samples");
     let taken = AtomicUsize::new(0);
     let on_sample = |samples: usize| {

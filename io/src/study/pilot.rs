@@ -86,20 +86,11 @@ pub fn run_values(folder: &Path, metric: Metric) -> Result<Vec<RunValue>, Error>
     Ok(all)
 }
 
-/// Mean wall times of a stored study, s.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WallTimes {
-    /// Of a design.
-    pub design: f64,
-    /// Of a run.
-    pub run: f64,
-}
-
-/// The mean wall times of a stored study.
+/// Mean wall time of a design and of a run of a stored study, s.
 ///
 /// # Errors
 /// [`Error`] where the rows cannot be read.
-pub fn wall_times(folder: &Path) -> Result<WallTimes, Error> {
+pub fn design_and_run_seconds(folder: &Path) -> Result<(f64, f64), Error> {
     let (mut designs, mut runs) = ((0.0, 0.0), (0.0, 0.0));
     rows(&folder.join("timing.parquet"), &["kind", "seconds"], |row| {
         let Field::Double(seconds) = row[1] else { return };
@@ -108,7 +99,7 @@ pub fn wall_times(folder: &Path) -> Result<WallTimes, Error> {
         sum.1 += 1.0;
     })?;
     let mean = |(sum, count): (f64, f64)| if count > 0.0 { sum / count } else { 0.0 };
-    Ok(WallTimes { design: mean(designs), run: mean(runs) })
+    Ok((mean(designs), mean(runs)))
 }
 
 /// The column of a metric.

@@ -16,7 +16,7 @@ use std::ops::Range;
 
 use super::butterworth::Butterworth;
 use super::cutoff::find_cutoff;
-use super::differences::{Differences, differences};
+use super::differences::differences;
 use super::error::{SignalError, check_finite, refused};
 use super::periodic::{column, effort_units, put_column, used_blocks};
 use super::processing::{Derivatives, Processing, TorqueFilter};
@@ -174,10 +174,10 @@ pub fn process_aperiodic(
         let rows = first * n..(first + count) * n;
         for i in 0..n {
             let q = filter.zero_phase_reflected(&column(&record.q[rows.clone()], n, i));
-            let Differences { first: mut qd, second: mut qdd } = differences(&q, 1.0 / record.rate_hz);
+            let (mut qd, mut qdd) = differences(&q, 1.0 / record.rate_hz);
             if let Some(measured) = record.qd {
                 qd = filter.zero_phase_reflected(&column(&measured[rows.clone()], n, i));
-                qdd = differences(&qd, 1.0 / record.rate_hz).first;
+                (qdd, _) = differences(&qd, 1.0 / record.rate_hz);
             }
             put_column(&mut states.q[rows.clone()], n, i, &q);
             put_column(&mut states.qd[rows.clone()], n, i, &qd);

@@ -49,7 +49,7 @@ mod tests {
 
     use super::*;
     use crate::seed::Seed;
-    use crate::signal::{Differences, differences};
+    use crate::signal::differences;
 
     #[test]
     fn analytic_noise_above_the_motion_goes_and_the_motion_stays() {
@@ -63,7 +63,7 @@ mod tests {
             })
             .collect();
         let q = low.zero_phase_reflected(&noisy);
-        let Differences { first: qd, second: qdd } = differences(&q, 1.0 / rate_hz);
+        let (qd, qdd) = differences(&q, 1.0 / rate_hz);
         let len = q.len();
         let samples = Samples {
             position_band_hz: vec![10.0],

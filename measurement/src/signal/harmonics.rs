@@ -15,6 +15,7 @@ use std::ops::Range;
 use nalgebra::Complex;
 
 use super::fourier_transform::FourierTransform;
+use crate::dynamics::States;
 
 /// Which harmonics of the measured positions are kept.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -33,17 +34,6 @@ pub enum Bandwidth {
     Hertz(f64),
 }
 
-/// A series and its derivatives at uniform instants.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SampledSeries {
-    /// Its values.
-    pub value: Vec<f64>,
-    /// Its first derivative.
-    pub first: Vec<f64>,
-    /// Its second derivative.
-    pub second: Vec<f64>,
-}
-
 /// A finite Fourier series of one joint, from the samples of one period.
 ///
 /// ```
@@ -51,8 +41,8 @@ pub struct SampledSeries {
 /// use armid::signal::{FourierTransform, HarmonicSeries};
 /// let x: Vec<f64> = (0..16).map(|k| (std::f64::consts::TAU * 2.0 * k as f64 / 16.0).sin()).collect();
 /// let transform = FourierTransform::new(16);
-/// let q = HarmonicSeries::new(&transform, &x, 1.0).up_to(3).samples(&transform);
-/// assert!(q.value[0].abs() < 1e-14 && (q.first[0] - 2.0 * std::f64::consts::TAU).abs() < 1e-12 && q.second[0].abs() < 1e-11);
+/// let states = HarmonicSeries::new(&transform, &x, 1.0).up_to(3).samples(&transform);
+/// assert!(states.q[0].abs() < 1e-14 && (states.qd[0] - 2.0 * std::f64::consts::TAU).abs() < 1e-12 && states.qdd[0].abs() < 1e-11);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct HarmonicSeries {
@@ -146,11 +136,11 @@ impl HarmonicSeries {
         (0..self.lines.len()).map(mean).collect()
     }
 
-    /// Value, first and second derivative at the N uniform instants `k T / N` of a transform, k = 0, 1, ….
+    /// The states of the joint, value, first and second derivative, at the N uniform instants `k T / N` of a transform, k = 0, 1, ….
     ///
     /// # Panics
     /// If the transform has not more than twice as many samples as the series has harmonics.
-    pub fn samples(&self, transform: &FourierTransform) -> SampledSeries {
+    pub fn samples(&self, transform: &FourierTransform) -> States {
         let n = transform.len();
         assert!(2 * self.highest() < n, "{n} samples for {} harmonics", self.highest());
         let w = std::f64::consts::TAU / self.period_s;
@@ -172,8 +162,8 @@ impl HarmonicSeries {
         };
         let velocity = |h: usize| self.lines[h] * Complex::new(0.0, w * h as f64);
         let acceleration = |h: usize| self.lines[h] * -(w * h as f64).powi(2);
-        let (value, first) = backward(&|h| self.lines[h], &velocity);
-        SampledSeries { value, first, second: backward(&acceleration, &|_| Complex::new(0.0, 0.0)).0 }
+        let (q, qd) = backward(&|h| self.lines[h], &velocity);
+        States { dof: 1, q, qd, qdd: backward(&acceleration, &|_| Complex::new(0.0, 0.0)).0 }
     }
 }
 
@@ -200,7 +190,7 @@ mod tests {
         let found = series.samples(&FourierTransform::new(96));
         for k in 0..96 {
             let t = period * k as f64 / 96.0;
-            let sampled = [found.value[k], found.first[k], found.second[k]];
+            let sampled = [found.q[k], found.qd[k], found.qdd[k]];
             let expected = smooth(t, w);
             for (order, bound) in [1e-14, 1e-12, 1e-10].into_iter().enumerate() {
                 assert!((sampled[order] - expected[order]).abs() < bound, "derivative {order} at {t}");

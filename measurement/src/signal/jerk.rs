@@ -49,10 +49,10 @@ impl Samples {
                     };
                     let floor = self.position_floor.get(i).copied().unwrap_or(0.0);
                     let shares = series(&self.states.q).signal_shares(floor);
-                    series(&self.states.qd).weighted(&shares).samples(&transform).second
+                    series(&self.states.qd).weighted(&shares).samples(&transform).qdd
                 }
-                (Some(_), Derivatives::Differences) => differences_periodic(&qdd, step).first,
-                (None, Derivatives::Fourier | Derivatives::Differences) => differences(&qdd, step).first,
+                (Some(_), Derivatives::Differences) => differences_periodic(&qdd, step).0,
+                (None, Derivatives::Fourier | Derivatives::Differences) => differences(&qdd, step).0,
             };
             put_column(&mut jerk, n, i, &own);
         }
@@ -67,7 +67,6 @@ mod tests {
     use super::*;
     use crate::dynamics::States;
     use crate::seed::Seed;
-    use crate::signal::SampledSeries;
 
     #[test]
     fn analytic_without_a_period_it_is_the_slope_of_the_acceleration() {
@@ -120,12 +119,11 @@ mod tests {
             let series = HarmonicSeries::new(&transform, &noisy, period_s);
             let last = series.last_above_noise(std * std, count);
             let floor = series.floor(std * std, count);
-            let SampledSeries { value: q, first: qd, second: qdd } = series.up_to(last).samples(&transform);
             let samples = Samples {
                 period_s: Some(period_s),
                 position_band_hz: vec![last as f64 / period_s],
                 ..Samples::exact(
-                    States { dof: 1, q, qd, qdd },
+                    series.up_to(last).samples(&transform),
                     vec![0.0; count],
                     vec!["N·m".to_owned()],
                     count as f64 / period_s,

@@ -1,10 +1,10 @@
 //! Periods of raw samples to one period of processed ones.
 
 use super::butterworth::Butterworth;
-use super::differences::{Differences, differences_periodic};
+use super::differences::differences_periodic;
 use super::error::SignalError;
 use super::fourier_transform::FourierTransform;
-use super::harmonics::{Bandwidth, HarmonicSeries, SampledSeries};
+use super::harmonics::{Bandwidth, HarmonicSeries};
 use super::noise::NoiseModel;
 use super::period_average::{PeriodAverage, PeriodicRecord};
 use super::processing::{Derivatives, Processing, TorqueFilter};
@@ -181,7 +181,7 @@ impl LowPass {
             let filtered = match self {
                 Self::None => continue,
                 Self::Harmonics(last) => {
-                    HarmonicSeries::new(transform, &raw, average.period_s).up_to(*last).samples(transform).value
+                    HarmonicSeries::new(transform, &raw, average.period_s).up_to(*last).samples(transform).q
                 }
                 Self::Butterworth(filter) => filter.zero_phase_periodic(&raw),
             };
@@ -213,8 +213,8 @@ fn fourier_states(
         };
         let last = last.max(commanded).min(series.highest());
         bands.push(last as f64 / average.period_s);
-        let SampledSeries { value, first, second } = series.up_to(last).samples(transform);
-        put_motion(&mut states, i, [&value, &first, &second]);
+        let own = series.up_to(last).samples(transform);
+        put_motion(&mut states, i, own.arrays());
     }
     (states, bands, floors)
 }
@@ -234,8 +234,8 @@ fn difference_states(average: &PeriodAverage, filter: &Butterworth) -> States {
     let mut states = States::with_len(n, average.len());
     for i in 0..n {
         let q = filter.zero_phase_periodic(&column(&average.q, n, i));
-        let Differences { first, second } = differences_periodic(&q, 1.0 / average.rate_hz);
-        put_motion(&mut states, i, [&q, &first, &second]);
+        let (qd, qdd) = differences_periodic(&q, 1.0 / average.rate_hz);
+        put_motion(&mut states, i, [&q, &qd, &qdd]);
     }
     states
 }

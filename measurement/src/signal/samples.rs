@@ -174,7 +174,7 @@ impl Samples {
             (Derivatives::Fourier, Some(period_s)) => {
                 let transform = FourierTransform::new(torque.len());
                 let last = (band_hz * period_s).round() as usize;
-                HarmonicSeries::new(&transform, &torque, period_s).up_to(last).samples(&transform).value
+                HarmonicSeries::new(&transform, &torque, period_s).up_to(last).samples(&transform).q
             }
             (_, Some(_)) => butterworth()?.zero_phase_periodic(&torque),
             (_, None) => butterworth()?.zero_phase_reflected(&torque),

@@ -71,13 +71,6 @@ impl Distribution {
         Self { quantiles: Some(quantiles), points: Vec::new() }
     }
 
-    /// Returns this distribution with points.
-    #[must_use]
-    pub fn with_points(mut self, points: Vec<f64>) -> Self {
-        self.points = points;
-        self
-    }
-
     fn values(&self) -> impl Iterator<Item = f64> + '_ {
         self.quantiles.into_iter().flat_map(Quantiles::ascending).chain(self.points.iter().copied())
     }

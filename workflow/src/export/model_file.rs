@@ -272,7 +272,6 @@ impl Fitted<'_> {
 
     fn compared(&self, log: &ProcessedLog, what: &'static str, richer: &Model<'_>) -> Result<Lacking, Error> {
         let error = PredictionError::of(&log.model_residual(richer, what)?).fit;
-        let named = |error: armid::estimation::EstimationError| Error::new(error);
         let states = &log.samples.states;
         let own = Model { robot: self.robot, parameters: self.parameters }.predict(states).map_err(named)?;
         let other = richer.predict(states).map_err(named)?;

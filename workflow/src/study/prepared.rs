@@ -41,7 +41,7 @@ impl PreparedStudy {
         }
         let first = &arms[0];
         let setup =
-            StudySetup::with_methods(plan, first.robot().clone(), first.nominal().clone(), first.truth(), own.clone());
+            StudySetup::with_methods(plan, first.robot.clone(), first.nominal.clone(), &first.truth, own.clone());
         let setup = setup.map_err(Error::new)?.with_closed_loops(armid_sim::closed_loop);
         Ok(Self { setup, arms, robot_text: loaded.text.content })
     }

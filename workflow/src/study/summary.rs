@@ -35,7 +35,7 @@ impl Performance<'_> {
             let arm = |sensing: &Sensing, noise: RunNoise| {
                 self.first().arm(sensing, noise).map_err(|error| error.to_string())
             };
-            let found = evaluate_claims(self.setup, self.first().truth(), &designs, &conditions[0].findings, &arm);
+            let found = evaluate_claims(self.setup, &self.first().truth, &designs, &conditions[0].findings, &arm);
             Some(found.map_err(Error::new)?)
         } else {
             None

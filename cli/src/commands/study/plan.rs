@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use armid::study::{ASSURANCE, StoppingRule, StudySize, VarianceComponents};
 use armid_io::Error;
-use armid_io::study::{log_ratios, read_study, wall_times};
+use armid_io::study::{design_and_run_seconds, log_ratios, read_study};
 use miette::Result;
 
 use crate::terminal::{Align, Answer, Console, Ending, Table};
@@ -52,8 +52,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         );
         Error::new(message).help("perform the pilot with more starts, or --runs")
     })?;
-    let seconds = wall_times(&arguments.folder)?;
-    let hours = |size: &StudySize| 2.0 * size.starts as f64 * (seconds.design + size.runs as f64 * seconds.run) / 3600.0;
+    let (of_design, of_run) = design_and_run_seconds(&arguments.folder)?;
+    let hours = |size: &StudySize| 2.0 * size.starts as f64 * (of_design + size.runs as f64 * of_run) / 3600.0;
     let sizes: Vec<Sized> =
         RUNS.iter().filter_map(|&runs| components.fewest(rule.share, runs)).map(|size| (size, hours(&size))).collect();
     let cheapest = sizes.iter().min_by(|a, b| a.1.total_cmp(&b.1));

@@ -217,8 +217,9 @@ impl Motion<'_> {
         let mut rate = vec![0.0; x.len()];
         for j in 0..n {
             let own: Vec<f64> = x.iter().skip(j).step_by(n).copied().collect();
-            let own = if self.observation.periodic { differences_periodic(&own, step) } else { differences(&own, step) };
-            for (to, own) in rate.iter_mut().skip(j).step_by(n).zip(own.first) {
+            let own =
+                if self.observation.periodic { differences_periodic(&own, step) } else { differences(&own, step) }.0;
+            for (to, own) in rate.iter_mut().skip(j).step_by(n).zip(own) {
                 *to = own;
             }
         }

@@ -54,7 +54,8 @@ const PASSED_OVER: [&str; 6] = ["geom", "site", "camera", "light", "body", "iner
 pub fn parse_mjcf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatError> {
     let document = parse_xml(text)?;
     let root = Element::root(&document);
-    read_tree(root, &Settings::read(root)?)?.chain(ends).map(|model| model.with_source(text))
+    let model = read_tree(root, &Settings::read(root)?)?.chain(ends)?;
+    Ok(ImportedModel { robot: model.robot.with_source(text), ..model })
 }
 
 /// The bodies of a model.
