@@ -273,8 +273,8 @@ impl Fitted<'_> {
     fn compared(&self, log: &ProcessedLog, what: &'static str, richer: &Model<'_>) -> Result<Lacking, Error> {
         let error = PredictionError::of(&log.model_residual(richer, what)?).fit;
         let states = &log.samples.states;
-        let own = Model { robot: self.robot, parameters: self.parameters }.predict(states).map_err(named)?;
-        let other = richer.predict(states).map_err(named)?;
+        let own = Model { robot: self.robot, parameters: self.parameters }.predict(states).map_err(Error::new)?;
+        let other = richer.predict(states).map_err(Error::new)?;
         let (n, count) = (log.samples.dof(), log.samples.len().max(1) as f64);
         let rms = |i: usize, of: &dyn Fn(usize) -> f64| -> f64 {
             ((0..log.samples.len()).map(|k| of(k * n + i).powi(2)).sum::<f64>() / count).sqrt()
