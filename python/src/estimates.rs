@@ -19,7 +19,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadwriteArrayDyn};
 use pyo3::prelude::*;
 
 use crate::arrays::{Rows, output, samples_of};
-use crate::fault::{exception, raised, unexpected};
+use crate::fault::{exception, unexpected};
 use crate::identification::{processed, samples};
 use crate::log::Log;
 use crate::robot::Robot;
@@ -114,7 +114,7 @@ pub(crate) fn predict(
         let regressor = estimate.regressor(&robot.loaded.robot, columns)?;
         predicted(&estimate, &regressor, &states)
     });
-    out.copy_from_slice(&torque.map_err(raised)?);
+    out.copy_from_slice(&torque.map_err(unexpected)?);
     Ok(())
 }
 
@@ -167,7 +167,7 @@ pub(crate) fn export(
         let source = source.map_err(exception)?;
         let fault =
             (!source.is_sound()).then(|| "the operations of the source code differ from the regressor".to_owned());
-        let answer = serde_json::to_string(&source).map_err(raised)?;
+        let answer = serde_json::to_string(&source).map_err(unexpected)?;
         return Ok((source.text, answer, fault));
     }
     let Some(format) = FORMATS.into_iter().find(|format| format.name() == to) else {

@@ -13,7 +13,7 @@ use serde_json::Value;
 
 use crate::callable::Method;
 use crate::estimator::PythonEstimator;
-use crate::fault::{exception, raised, unexpected};
+use crate::fault::{exception, unexpected};
 use crate::log::{Log, effort};
 use crate::robot::Robot;
 use crate::watch::{Leaves, watched};
@@ -112,7 +112,7 @@ fn candidates(text: &str) -> PyResult<Columns> {
     }
     match Columns::parse_among(text, &candidate_terms()) {
         Some(columns) => Ok(columns),
-        None => Columns::parse_estimable(text).map_err(raised),
+        None => Columns::parse_estimable(text).map_err(unexpected),
     }
 }
 

@@ -105,7 +105,7 @@ mod tests {
             verify_certificate(&smooth, &motion, &certificate, None),
             Err(VerificationError::Limit { limit: LimitKind::Jerk, .. })
         ));
-        let low = robot.clone().with_obstacle(Obstacle::floor("table", 0.8));
+        let low = robot.clone().with_obstacle(Obstacle::everything_below("table", 0.8));
         let fault = verify_certificate(&low, &motion, &certificate, None).unwrap_err();
         assert!(matches!(fault, VerificationError::Contact(_)) && fault.to_string().contains("\"table\""), "{fault}");
         let mut strained = certificate.clone();

@@ -157,7 +157,7 @@ impl ForeignTable {
     }
 
     /// A fault about the headings, or the first row where there are none.
-    pub(crate) fn heading_fault(&self, message: impl Into<String>) -> Error {
+    pub(crate) fn heading_fault(&self, message: impl std::fmt::Display) -> Error {
         let span = match &self.headings {
             Some(headings) => headings.first().map_or(0, |h| h.1.start)..headings.last().map_or(0, |h| h.1.end),
             None => self.rows.first().cloned().unwrap_or(0..0),
@@ -167,7 +167,7 @@ impl ForeignTable {
     }
 
     /// A fault at a row.
-    pub(crate) fn row_fault(&self, row: usize, message: impl Into<String>) -> Error {
+    pub(crate) fn row_fault(&self, row: usize, message: impl std::fmt::Display) -> Error {
         Error::new(message).at_span(&self.text, self.rows[row].clone(), "this row")
     }
 }

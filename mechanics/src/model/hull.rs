@@ -58,7 +58,7 @@ pub struct Hull {
 }
 
 impl Hull {
-    /// The smallest convex body around finite points (m); `None` without a point.
+    /// A convex body around finite points (m); `None` without a point.
     pub fn enclosing(points: &[Vector3<f64>]) -> Option<Self> {
         let mut points = points.to_vec();
         points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));

@@ -106,8 +106,8 @@ pub enum Obstacle {
 }
 
 impl Obstacle {
-    /// A floor at the height `z` (m, base frame) under a name of its own: no link may go below it.
-    pub fn floor(name: &str, z: f64) -> Self {
+    /// Everything below the height `z` (m, base frame), under a name of its own.
+    pub fn everything_below(name: &str, z: f64) -> Self {
         Self::Plane { name: name.to_owned(), normal: Vector3::z(), offset: z }
     }
 

@@ -132,7 +132,7 @@ impl DesignSettings {
             if !z.is_finite() {
                 return Err(Error::new(format!("the height to keep above is {z} m, expected a finite number")));
             }
-            robot = robot.with_obstacle(Obstacle::floor("keep-above", z));
+            robot = robot.with_obstacle(Obstacle::everything_below("keep-above", z));
         }
         Ok(robot)
     }
