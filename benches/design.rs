@@ -22,9 +22,13 @@ fn main() {
             if !name.contains(&filter) {
                 continue;
             }
-            let mut problem =
-                DesignProblem::new(robot.clone(), Columns::RIGID_ROTOR_FRICTION, criterion, DesignLimits::motion_only())
-                    .expect("a bundled robot has a base");
+            let mut problem = DesignProblem::new(
+                robot.clone(),
+                Columns::RIGID_ROTOR_FRICTION,
+                criterion,
+                DesignLimits::motion_only(),
+            )
+            .expect("a bundled robot has a base");
             let shares = &nominal.relative_uncertainty;
             let spread = ParameterSpread::from_uncertainty(&robot, &nominal.parameters, shares, CONFIDENCE_95);
             let limits = DesignLimits {

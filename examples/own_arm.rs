@@ -21,7 +21,7 @@ impl Arm for Exact {
         let (n, layout) = (self.robot.dof(), plan.check(self.robot.dof())?);
         sink.begin(&Recording {
             effort_unit: armid::model::EffortInterface::Torque,
-            ..Recording::without_samples(&self.robot, "", plan, &layout, None)
+            ..Recording::empty(&self.robot, "", plan, &layout, None)
         });
         let (command, mut dynamics) = (Command::new(plan, &layout), Dynamics::new(&self.robot, &self.parameters));
         let [mut q, mut qd, mut qdd, mut tau] = [(); 4].map(|()| vec![0.0; n]);

@@ -117,7 +117,9 @@ impl Error {
     /// An error of the reader of TOML, shown in the text.
     pub fn of_toml(text: &Text, error: &toml::de::Error) -> Self {
         let message = error.message().trim_end();
-        Self::new(message).at_span(text, error.span().unwrap_or(0..0), "here").maybe_help(suggestion::from_list_in(message))
+        Self::new(message)
+            .at_span(text, error.span().unwrap_or(0..0), "here")
+            .maybe_help(suggestion::from_list_in(message))
     }
 
     /// Returns this error at some bytes of a text; the label stands under them.

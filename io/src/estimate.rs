@@ -46,7 +46,8 @@ pub fn parse_all(text: &Text) -> Result<Vec<Estimate>, Error> {
         serde_json::from_str(&text.content).map_err(|error| Error::of_json(text, &error).help(EXPECTED))?;
     if estimates.is_empty() {
         let message = format!("{} holds an empty list, expected at least one estimate", text.name);
-        let help = Remedy::task(Task::Identify, "LOG").with_setting(Setting::Output, &text.name).say(" makes such a file");
+        let help =
+            Remedy::task(Task::Identify, "LOG").with_setting(Setting::Output, &text.name).say(" makes such a file");
         return Err(Error::new(message).help(help));
     }
     estimates.iter().try_for_each(|estimate| check_lengths(estimate, text))?;

@@ -147,7 +147,8 @@ impl StudySetup {
             }
             DesignMethod::TableOne => {
                 let trajectory = table_one::corrected().into();
-                let certificate = Certificate::compute(&self.problem(CriterionKind::Condition.into(), 1)?, &trajectory)?;
+                let certificate =
+                    Certificate::compute(&self.problem(CriterionKind::Condition.into(), 1)?, &trajectory)?;
                 Ok(StudyDesign {
                     family,
                     start,

@@ -77,7 +77,8 @@ impl EffectLevels {
         let plan = &result.plan;
         let engine = plan.engines.first();
         let parts = result.conditions.iter().filter(|part| Some(&part.condition.engine) == engine);
-        let sized: Vec<_> = parts.map(|part| (part, Size::of(&plan.effects.overridden_by(&part.condition.effects)))).collect();
+        let sized: Vec<_> =
+            parts.map(|part| (part, Size::of(&plan.effects.overridden_by(&part.condition.effects)))).collect();
         let mut kinds: Vec<&[EffectKind]> = Vec::new();
         for size in sized.iter().filter_map(|(_, size)| size.as_ref()) {
             if !size.kinds.is_empty() && !kinds.contains(&&size.kinds[..]) {
@@ -226,7 +227,11 @@ mod tests {
     #[test]
     fn effects_that_grow_together_have_the_share_of_their_levels() {
         let both = |elasticity, hysteresis| {
-            Size::of(&Effects::none().with_effect(EffectKind::Elasticity, elasticity).with_effect(EffectKind::Hysteresis, hysteresis))
+            Size::of(
+                &Effects::none()
+                    .with_effect(EffectKind::Elasticity, elasticity)
+                    .with_effect(EffectKind::Hysteresis, hysteresis),
+            )
         };
         let size = both(0.5, 0.075).unwrap();
         assert!((size.value - 0.25).abs() < 1e-12 && size.kinds.len() == 2);

@@ -123,8 +123,9 @@ impl Evidence<'_> {
     pub(super) fn add_spread(&self, metric: Metric, values: &RunValues, scores: &mut [FamilyScore]) {
         for (family, score) in scores.iter_mut().enumerate() {
             let designs = self.designs_of(family);
-            let spread =
-                || Spread::from_sample(&designs.iter().flat_map(|&design| present(&values[design])).collect::<Vec<f64>>());
+            let spread = || {
+                Spread::from_sample(&designs.iter().flat_map(|&design| present(&values[design])).collect::<Vec<f64>>())
+            };
             match metric {
                 Metric::Prediction => score.prediction_spread = spread(),
                 Metric::Reference => score.reference_spread = spread(),

@@ -192,8 +192,9 @@ mod tests {
         // Means over 400 pilots of 8 starts and 6 runs. The standard deviation of one estimate of σ_s² is below 0.05, of σ_t²
         // below 0.03, of σ_e² below 0.03: of the means 0.0025, 0.0015 and 0.0015. Cutting at zero lifts σ_t² a little.
         for truths in [false, true] {
-            let found: Vec<VarianceComponents> =
-                (0..400).map(|seed| VarianceComponents::from_pilot(&draw(seed, 8, 6, truths), truths).unwrap()).collect();
+            let found: Vec<VarianceComponents> = (0..400)
+                .map(|seed| VarianceComponents::from_pilot(&draw(seed, 8, 6, truths), truths).unwrap())
+                .collect();
             let average = |of: &dyn Fn(&VarianceComponents) -> f64| mean(&found.iter().map(of).collect::<Vec<_>>());
             assert!((average(&|c| c.starts) - 0.04).abs() < 0.0075);
             assert!((average(&|c| c.runs) - 0.09).abs() < 0.0045);
@@ -225,10 +226,12 @@ mod tests {
     /// Pilots and studies of their forecast, as shares of the half width obtained over the one that was given with 80 %.
     fn obtained(pilots: u64, truths: bool, pilot_size: (usize, usize), study: StudySize) -> Vec<f64> {
         let drawn = |seed| {
-            let components = VarianceComponents::from_pilot(&draw(seed, pilot_size.0, pilot_size.1, truths), truths).unwrap();
+            let components =
+                VarianceComponents::from_pilot(&draw(seed, pilot_size.0, pilot_size.1, truths), truths).unwrap();
             let share = components.share_with(study, ASSURANCE);
             let second =
-                VarianceComponents::from_pilot(&draw(1_000_000 + seed, study.starts, study.runs, truths), truths).unwrap();
+                VarianceComponents::from_pilot(&draw(1_000_000 + seed, study.starts, study.runs, truths), truths)
+                    .unwrap();
             second.share(study) / share
         };
         (0..pilots).map(drawn).collect()

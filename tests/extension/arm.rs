@@ -41,7 +41,7 @@ impl Arm for Exact {
         let (n, layout) = (self.robot.dof(), plan.check(self.robot.dof())?);
         sink.begin(&Recording {
             effort_unit: EffortInterface::Torque,
-            ..Recording::without_samples(&self.robot, "", plan, &layout, None)
+            ..Recording::empty(&self.robot, "", plan, &layout, None)
         });
         let (command, mut dynamics) = (Command::new(plan, &layout), Dynamics::new(&self.robot, &self.truth));
         let mut rng = Seed::new(8).stream("torque sensors", 0);

@@ -117,13 +117,12 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let (seed, epoch_ns) = (Seed::new(arguments.seed), i64::try_from(now).unwrap_or(0));
     let (robot, nominal) = (&simulated.robot, &simulated.nominal);
     let watchdog = Watchdog { hold_s: 1e-3 * arguments.hold_ms, disable_s: 1e-3 * arguments.disable_ms };
-    let mut controller =
-        RobotController::new(robot, nominal, plant, &Sensing::default(), seed, 0, rate, epoch_ns)
-            .map_err(Fault::new)?
-            .with_fault(arguments.fault)
-            .with_homed(!arguments.not_homed)
-            .with_replacement(arguments.replacement)
-            .with_watchdog(watchdog);
+    let mut controller = RobotController::new(robot, nominal, plant, &Sensing::default(), seed, 0, rate, epoch_ns)
+        .map_err(Fault::new)?
+        .with_fault(arguments.fault)
+        .with_homed(!arguments.not_homed)
+        .with_replacement(arguments.replacement)
+        .with_watchdog(watchdog);
     if !simulated.truth.motors.is_empty() {
         controller = controller.with_motors(&simulated.truth.motors);
     }

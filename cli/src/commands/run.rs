@@ -10,7 +10,7 @@ use armid::experiment::{Ending as PlanEnding, Sink};
 use armid_hardware::guard::fastest_point;
 use armid_io::Error as Fault;
 use armid_io::output::write_text;
-use armid_io::recording::{CsvSink, FileSink, McapSink, with_sink_thread, check_free, part_path};
+use armid_io::recording::{CsvSink, FileSink, McapSink, check_free, part_path, with_sink_thread};
 use armid_reports::{Figure, poses_figure};
 use miette::Result;
 

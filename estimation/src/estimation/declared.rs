@@ -61,8 +61,10 @@ fn of_motors(
     robot: &Robot,
     declared: &DeclaredUncertainty,
 ) -> Result<Vec<DVector<f64>>, EstimationError> {
-    let (constant, lag) =
-        (declared.standard_deviation(DeclaredUncertainty::TORQUE_CONSTANT), declared.standard_deviation(DeclaredUncertainty::CURRENT_LAG));
+    let (constant, lag) = (
+        declared.standard_deviation(DeclaredUncertainty::TORQUE_CONSTANT),
+        declared.standard_deviation(DeclaredUncertainty::CURRENT_LAG),
+    );
     if constant == 0.0 && lag == 0.0 {
         return Ok(Vec::new());
     }

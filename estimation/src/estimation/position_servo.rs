@@ -241,7 +241,10 @@ mod tests {
             assert!((value - row * row).abs() < 1e-12 && (slope - 2.0 * row).abs() < 1e-12, "{row}: {value} {slope}");
             assert!((interpolate_with_slope(&table, 2, 1, row).0 - (1.0 - row)).abs() < 1e-12);
         }
-        assert_eq!((interpolate_with_slope(&table, 2, 0, -2.0).0, interpolate_with_slope(&table, 2, 0, 9.0).0), (0.0, 25.0));
+        assert_eq!(
+            (interpolate_with_slope(&table, 2, 0, -2.0).0, interpolate_with_slope(&table, 2, 0, 9.0).0),
+            (0.0, 25.0)
+        );
     }
 
     #[test]

@@ -54,9 +54,13 @@ mod tests {
     use crate::trajectory::table_one;
 
     fn certified() -> (DesignProblem, PeriodicTrajectory, Certificate) {
-        let mut problem =
-            DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::Condition, DesignLimits::motion_only())
-                .unwrap();
+        let mut problem = DesignProblem::new(
+            chains::crs_a460(),
+            Columns::RIGID,
+            CriterionKind::Condition,
+            DesignLimits::motion_only(),
+        )
+        .unwrap();
         let nominal = Some(chains::crs_a460_nominal());
         problem.set_limits(DesignLimits { nominal, ramp_s: Some(2.0), ..DesignLimits::motion_only() }).unwrap();
         problem.set_budget(DesignBudget { certificate_samples: 500, ..DesignBudget::default() }).unwrap();

@@ -182,7 +182,8 @@ fn with_unit(tables: &[LogTable], mut found: Found) -> Found {
     let table = &tables[found.table];
     let (units, first) = (found.quantity.units(), found.columns.iter().flatten().next());
     let of_file = || first.and_then(|&column| Unit::parse(table.columns()?.unit(column)?, units));
-    let of_heading = || first.and_then(|&column| Unit::from_heading(&table.names()[column], units).map(|(unit, _)| unit));
+    let of_heading =
+        || first.and_then(|&column| Unit::from_heading(&table.names()[column], units).map(|(unit, _)| unit));
     let said = found.map.unit.or_else(of_file).or_else(of_heading);
     found.unit = said.filter(|unit| *unit != Unit::Percent || found.map.rated.is_some()).unwrap_or(units[0]);
     found
@@ -199,7 +200,9 @@ fn by_headings(tables: &[LogTable], has_rate: bool) -> Result<Vec<Found>, Error>
             let headings = rows.names();
             let names: Vec<&str> = headings
                 .iter()
-                .map(|heading| Unit::from_heading(heading, quantity.units()).map_or(heading.as_str(), |(_, front)| front))
+                .map(|heading| {
+                    Unit::from_heading(heading, quantity.units()).map_or(heading.as_str(), |(_, front)| front)
+                })
                 .collect();
             let at = |name: &str| names.iter().position(|found| found.eq_ignore_ascii_case(name));
             let columns = quantity.names().iter().find_map(|prefix| {
@@ -241,9 +244,9 @@ fn by_headings(tables: &[LogTable], has_rate: bool) -> Result<Vec<Found>, Error>
     };
     if !first.has_headings() {
         let message = format!("{} columns without headings, expected headings or a mapping", first.width());
-        return Err(first
-            .heading_fault(&message)
-            .help(Remedy::from("state what the columns are: ").setting_to(Setting::Map, "t=#1, q=#[2-7] deg, tau=#[8-13]")));
+        return Err(first.heading_fault(&message).help(
+            Remedy::from("state what the columns are: ").setting_to(Setting::Map, "t=#1, q=#[2-7] deg, tau=#[8-13]"),
+        ));
     }
     let has = |quantity| all.iter().find(|found: &&Found| found.quantity == quantity);
     if has(Quantity::Time).is_none() && !has_rate {
@@ -309,9 +312,8 @@ impl Reader<'_> {
         let t = match (self.rate_hz, self.get(Quantity::Time)) {
             (None, None) => {
                 let message = format!("{} has no column of times", self.tables[0].name());
-                return Err(
-                    Error::new(message).help(Remedy::from("state the rows per second: ").setting_to(Setting::Rate, "HZ"))
-                );
+                return Err(Error::new(message)
+                    .help(Remedy::from("state the rows per second: ").setting_to(Setting::Rate, "HZ")));
             }
             (None, Some(time)) => self.values(time, 1)?,
             (Some(_), _) => Vec::new(),

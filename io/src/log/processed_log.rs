@@ -97,9 +97,10 @@ impl ProcessedLog {
                 (None, EffortInterface::Torque) => {
                     let message =
                         format!("{} holds torques, expected motor currents: torques have no torque constant", log.name);
+                    let help = Remedy::from("name the columns of the currents: ")
+                        .setting_to(Setting::Map, "…, current=i_[1-6]");
                     let help =
-                        Remedy::from("name the columns of the currents: ").setting_to(Setting::Map, "…, current=i_[1-6]");
-                    let help = help.say(", or say that the efforts are currents by ").setting_to(Setting::Effort, "current");
+                        help.say(", or say that the efforts are currents by ").setting_to(Setting::Effort, "current");
                     return Err(Error::mismatch(message).help(help));
                 }
             };
@@ -155,8 +156,8 @@ impl ProcessedLog {
         for samples in self.parts.iter_mut().chain(&mut self.held_out) {
             *samples = stated.restated_samples(samples, &found);
         }
-        self.samples = Samples::join(self.parts.clone())
-            .map_err(|error| Error::mismatch(format!("{}: {error}", self.name())))?;
+        self.samples =
+            Samples::join(self.parts.clone()).map_err(|error| Error::mismatch(format!("{}: {error}", self.name())))?;
         for log in &mut self.logs {
             log.servo = Some(found.clone());
         }

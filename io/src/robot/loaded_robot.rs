@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use armid::model::format::{
-    ChainEnds, CollisionShape, RelativeUncertainty, RobotModel, embed_urdf, parse_nominal, parse_robot_model, urdf_reference,
+    ChainEnds, CollisionShape, RelativeUncertainty, RobotModel, embed_urdf, parse_nominal, parse_robot_model,
+    urdf_reference,
 };
 use armid::model::{BundledRobot, Drive, EffortInterface, Robot, StandardParameters};
 use armid::remedy::{Remedy, Setting, Task};

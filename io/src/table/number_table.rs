@@ -109,7 +109,9 @@ impl NumberTable {
                 _ => 0..0,
             };
             let near = suggestion::nearest(name, found).map(|near| format!("the nearest there is: \"{near}\""));
-            Error::new(format!("heading \"{name}\" is missing")).at_span(&self.text, span, "the headings").maybe_help(near)
+            Error::new(format!("heading \"{name}\" is missing"))
+                .at_span(&self.text, span, "the headings")
+                .maybe_help(near)
         })
     }
 

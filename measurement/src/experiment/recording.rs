@@ -57,7 +57,7 @@ crate::plain::checked_when_read!(Recording, |value| value.check().map(|()| value
 
 impl Recording {
     /// A recording of a plan before its first sample, of a robot whose file has this text.
-    pub fn without_samples(robot: &Robot, robot_text: &str, plan: &ExperimentPlan, layout: &Layout, seed: Option<Seed>) -> Self {
+    pub fn empty(robot: &Robot, robot_text: &str, plan: &ExperimentPlan, layout: &Layout, seed: Option<Seed>) -> Self {
         Self {
             robot: robot.name().to_owned(),
             robot_text: robot_text.to_owned(),

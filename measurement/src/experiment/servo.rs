@@ -171,7 +171,7 @@ impl<P: Plant> Servo<P> {
     /// [`ArmError::Plan`] where the plan cannot be performed.
     pub fn recording(&self, plan: &ExperimentPlan, seed: Seed) -> Result<Recording, ArmError> {
         let layout = plan.check(self.robot.dof())?;
-        Ok(Recording::without_samples(&self.robot, &self.robot_text, plan, &layout, Some(seed)))
+        Ok(Recording::empty(&self.robot, &self.robot_text, plan, &layout, Some(seed)))
     }
 
     /// The servo's part of an experiment for each run, for callers that step the plants themselves.

@@ -71,6 +71,13 @@ impl Columns {
         Self::of_listed(&terms)
     }
 
+    /// These columns without those of a term.
+    #[must_use]
+    pub fn without_term(self, term: Term) -> Self {
+        let terms: Vec<Term> = self.terms().filter(|&own| own != term).collect();
+        Self::of_listed(&terms)
+    }
+
     /// The terms, in order.
     pub fn terms(&self) -> impl Iterator<Item = Term> + '_ {
         self.terms.iter().map_while(|term| *term)

@@ -242,7 +242,7 @@ impl JointTorqueRegressor {
                 *s = x.motion_to_child(s);
             }
             axes[k] = axis;
-            visit(k, &BodyRegressor::new(&v, &a), axes);
+            visit(k, &BodyRegressor::in_lanes(&v, &a), axes);
         }
     }
 

@@ -54,7 +54,8 @@ mod tests {
         let h = 1e-5;
         for k in 1..20 {
             let u = 0.05 * f64::from(k);
-            let (before, here, after) = (QuinticStep::evaluate(u - h), QuinticStep::evaluate(u), QuinticStep::evaluate(u + h));
+            let (before, here, after) =
+                (QuinticStep::evaluate(u - h), QuinticStep::evaluate(u), QuinticStep::evaluate(u + h));
             let slope = |of: fn(&QuinticStep) -> f64| (of(&after) - of(&before)) / (2.0 * h);
             // Central differences: h²/6 times a derivative of at most 360.
             assert!((slope(|step| step.integral) - here.value).abs() < 1e-8);

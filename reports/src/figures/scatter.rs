@@ -201,7 +201,11 @@ impl ScatterPanel {
                 Reference::X { value, .. } => canvas.dashed(&plot.vertical(*value), Dash::Dashed.pattern(), ink),
                 Reference::Y { value, .. } => canvas.dashed(&plot.horizontal(*value), Dash::Dashed.pattern(), ink),
                 Reference::Segment { from, to, .. } => {
-                    canvas.dashed(&[plot.pixel(from.0, from.1), plot.pixel(to.0, to.1)], segment_dash(fitted).pattern(), ink);
+                    canvas.dashed(
+                        &[plot.pixel(from.0, from.1), plot.pixel(to.0, to.1)],
+                        segment_dash(fitted).pattern(),
+                        ink,
+                    );
                     fitted += 1;
                 }
             }

@@ -11,7 +11,8 @@ use std::ops::Range;
 
 use armid::dynamics::States;
 use armid::estimation::{
-    ClosedLoop, ClosedLoopError, ClosedLoopMotion, ClosedLoopSlopes, CommandedLoop, PositionServo, ServoPart, interpolate_with_slope,
+    ClosedLoop, ClosedLoopError, ClosedLoopMotion, ClosedLoopSlopes, CommandedLoop, PositionServo, ServoPart,
+    interpolate_with_slope,
 };
 use armid::experiment::{DivergenceError, Plant};
 use armid::model::term::VISCOUS;

@@ -143,7 +143,8 @@ fn candidates(folder: &Path, result: &StudyResult, settings: &AdviceSettings) ->
             };
             let Some(error) = Spread::from_sample(&of(None)) else { continue };
             let levels = result.conditions.iter().map(|condition| &condition.condition.name);
-            let by_level = levels.filter_map(|name| Some((name.clone(), Spread::from_sample(&of(Some(name)))?))).collect();
+            let by_level =
+                levels.filter_map(|name| Some((name.clone(), Spread::from_sample(&of(Some(name)))?))).collect();
             let (design, estimator) = (design.name.clone(), estimator.clone());
             all.push((Candidate { design, estimator, error, over_best: None, by_level }, by_arm(own())));
         }

@@ -41,8 +41,7 @@ impl Performance<'_> {
             None
         };
         let examples = self.examples(&designs, &mut work, &stored)?;
-        let result =
-            self.setup.result(self.provenance(), designs, bounds, conditions, effect_sensitivity, radkhah2007);
+        let result = self.setup.result(self.provenance(), designs, bounds, conditions, effect_sensitivity, radkhah2007);
         let input = ReportInput { result, examples };
         write_study(self.output, &input)?;
         write_provenance(self.output, rayon::current_num_threads())?;

@@ -35,7 +35,8 @@ fn arm(run: u64) -> (Robot, StandardParameters, StandardParameters) {
         *link = Inertia::from_array(&link.to_array().map(|x| factor * x));
     }
     for drive in &mut truth.drives {
-        *drive = DriveParameters::from_iter([(VISCOUS, rng.random_range(0.5..2.0)), (COULOMB, rng.random_range(0.5..2.0))]);
+        *drive =
+            DriveParameters::from_iter([(VISCOUS, rng.random_range(0.5..2.0)), (COULOMB, rng.random_range(0.5..2.0))]);
     }
     (robot, stated, truth)
 }

@@ -61,7 +61,8 @@ fn trends(seed: u64, columns: Columns, memory: f64, added: Option<(ResidualShape
         for k in 0..COUNT {
             let (velocity, position) = (states.qd(k)[JOINT], states.q(k)[JOINT]);
             let time = k as f64 / (COUNT - 1) as f64 - 0.5;
-            tau[3 * k + JOINT] += coefficient * shape.value(&Point { time, velocity, speed_rms, load: load[k], position });
+            tau[3 * k + JOINT] +=
+                coefficient * shape.value(&Point { time, velocity, speed_rms, load: load[k], position });
         }
     }
     let samples = Samples::exact(states, tau, vec!["N·m".to_owned(); 3], RATE_HZ);

@@ -262,7 +262,7 @@ pub(super) fn words_of(columns: Columns) -> Vec<&'static str> {
 /// The columns without the terms of a word.
 pub(super) fn without(columns: Columns, word: &str) -> Columns {
     let gone: Vec<_> = columns.terms().filter(|term| term.entry().name == word).collect();
-    gone.into_iter().fold(columns, Columns::without)
+    gone.into_iter().fold(columns, Columns::without_term)
 }
 
 /// The columns with the terms of a word.

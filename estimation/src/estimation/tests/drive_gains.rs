@@ -8,7 +8,8 @@ use crate::base::{BaseReduction, Method, reduce};
 use crate::chains::{random_inertia, random_robot, random_state};
 use crate::dynamics::{Dynamics, States};
 use crate::estimation::{
-    DriveGains, EstimationError, EstimationProblem, EstimatorKind, GainMethod, Observation, drive_gains, gain_sensitivity,
+    DriveGains, EstimationError, EstimationProblem, EstimatorKind, GainMethod, Observation, drive_gains,
+    gain_sensitivity,
 };
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;

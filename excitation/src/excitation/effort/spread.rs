@@ -25,7 +25,12 @@ impl ParameterSpread {
 
     /// The spread by the shares that a `nominal.toml` states: of the mass, of the length of the first moment, of the trace of
     /// the inertia for each of its elements, of rotor inertia and friction; the offset's is absolute.
-    pub fn from_uncertainty(robot: &Robot, nominal: &StandardParameters, shares: &RelativeUncertainty, multiple: f64) -> Self {
+    pub fn from_uncertainty(
+        robot: &Robot,
+        nominal: &StandardParameters,
+        shares: &RelativeUncertainty,
+        multiple: f64,
+    ) -> Self {
         use ParameterKind as Kind;
         let deviation = |id: ParameterId| {
             let (value, link) = (nominal.get(id).abs(), &nominal.links[id.index]);

@@ -320,9 +320,13 @@ mod tests {
     use crate::excitation::{CriterionKind, design};
 
     fn problem(family: Family, evaluations: usize) -> DesignProblem {
-        let mut problem =
-            DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::DOptimal, DesignLimits::motion_only())
-                .unwrap();
+        let mut problem = DesignProblem::new(
+            chains::crs_a460(),
+            Columns::RIGID,
+            CriterionKind::DOptimal,
+            DesignLimits::motion_only(),
+        )
+        .unwrap();
         problem.set_space(DesignSpace::new(family, 10.0, vec![5, 5, 5, 3, 3, 3])).unwrap();
         problem.objective.samples = 60;
         problem.set_budget(DesignBudget { evaluations, ..DesignBudget::default() }).unwrap();
