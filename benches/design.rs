@@ -22,22 +22,18 @@ fn main() {
             if !name.contains(&filter) {
                 continue;
             }
-            let mut problem = DesignProblem::new(
-                robot.clone(),
-                Columns::RIGID_ROTOR_FRICTION,
-                criterion,
-                DesignLimits::motion_only(),
-            )
-            .expect("a bundled robot has a base");
+            let mut problem =
+                DesignProblem::new(robot.clone(), Columns::RIGID_ROTOR_FRICTION, criterion, DesignLimits::motion())
+                    .expect("a bundled robot has a base");
             let shares = &nominal.relative_uncertainty;
-            let spread = ParameterSpread::from_uncertainty(&robot, &nominal.parameters, shares, CONFIDENCE_95);
+            let spread = ParameterSpread::new(&robot, &nominal.parameters, shares, CONFIDENCE_95);
             let limits = DesignLimits {
                 nominal: Some(nominal.parameters.clone()),
                 spread: Some(spread),
                 margins: Margins { torque: 1.0, ..Margins::default() },
                 ramp_s: Some(2.0),
                 clearance_m: Some(0.02),
-                ..DesignLimits::motion_only()
+                ..DesignLimits::motion()
             };
             problem.set_limits(limits).expect("the limits are possible, and those of the robot");
             let began = Instant::now();

@@ -95,8 +95,8 @@ fn states() -> States {
 }
 
 fn small_design(robot: Robot) -> Design {
-    let problem = DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, DesignLimits::motion_only())
-        .expect("a problem");
+    let problem =
+        DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, DesignLimits::motion()).expect("a problem");
     design(&problem, Seed::new(1), 0).expect("a design")
 }
 

@@ -87,7 +87,7 @@ impl Error {
             _ => None,
         };
         let place = path.display().to_string();
-        let makes = |task: Remedy| task.with_setting(Setting::Output, &place).say(" makes such a file");
+        let makes = |task: Remedy| task.option(Setting::Output, &place).say(" makes such a file");
         let help = made_by.map(|(task, of)| makes(Remedy::task(task, of)));
         Self { kind: ErrorKind::Unreadable(error.kind()), ..Self::new(message).maybe_help(help) }
     }

@@ -144,8 +144,7 @@ fn readme(loaded: &LoadedRobot, urdf: &str) -> String {
         ),
     };
     let line = |task: Task, of: &str, settings: &[(Setting, &str)]| {
-        let task =
-            settings.iter().fold(Remedy::task(task, of), |task, (setting, value)| task.with_setting(*setting, value));
+        let task = settings.iter().fold(Remedy::task(task, of), |task, (setting, value)| task.option(*setting, value));
         task.to_string().trim_matches('`').to_owned()
     };
     let run = |settings: &[(Setting, &str)]| line(Task::Run, "experiment.toml", settings);

@@ -82,7 +82,7 @@ pub enum Part {
 /// ```
 /// # use armid_mechanics as armid;
 /// use armid::remedy::{Remedy, Setting, Task};
-/// let help = Remedy::task(Task::Run, "EXPERIMENT").with_setting(Setting::Output, "R.mcap").say(" makes one");
+/// let help = Remedy::task(Task::Run, "EXPERIMENT").option(Setting::Output, "R.mcap").say(" makes one");
 /// assert_eq!(help.to_string(), "`run EXPERIMENT, output R.mcap` makes one");
 /// assert_eq!(Remedy::from("leave out ").setting(Setting::Period).to_string(), "leave out `period`");
 /// ```
@@ -92,7 +92,7 @@ pub struct Remedy(pub Vec<Part>);
 impl Remedy {
     /// Begins with a setting and its value.
     pub fn set(setting: Setting, value: impl Into<String>) -> Self {
-        Self::default().setting_to(setting, value)
+        Self::default().assign(setting, value)
     }
 
     /// Begins with a task that is done to something, which may be nothing.
@@ -116,7 +116,7 @@ impl Remedy {
 
     /// Adds a setting and its value.
     #[must_use]
-    pub fn setting_to(mut self, setting: Setting, value: impl Into<String>) -> Self {
+    pub fn assign(mut self, setting: Setting, value: impl Into<String>) -> Self {
         self.0.push(Part::Setting(setting, Some(value.into())));
         self
     }
@@ -130,7 +130,7 @@ impl Remedy {
 
     /// Adds a setting to the task before it. A setting without a value has an empty one.
     #[must_use]
-    pub fn with_setting(mut self, setting: Setting, value: &str) -> Self {
+    pub fn option(mut self, setting: Setting, value: &str) -> Self {
         if let Some(Part::Task(_, _, settings)) = self.0.last_mut() {
             settings.push((setting, value.to_owned()));
         }

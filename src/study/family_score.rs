@@ -123,9 +123,8 @@ impl Evidence<'_> {
     pub(super) fn add_spread(&self, metric: Metric, values: &RunValues, scores: &mut [FamilyScore]) {
         for (family, score) in scores.iter_mut().enumerate() {
             let designs = self.designs_of(family);
-            let spread = || {
-                Spread::from_sample(&designs.iter().flat_map(|&design| present(&values[design])).collect::<Vec<f64>>())
-            };
+            let spread =
+                || Spread::new(&designs.iter().flat_map(|&design| present(&values[design])).collect::<Vec<f64>>());
             match metric {
                 Metric::Prediction => score.prediction_spread = spread(),
                 Metric::Reference => score.reference_spread = spread(),
@@ -224,7 +223,7 @@ impl Evidence<'_> {
             coverage,
             // Runs that share noise count as one.
             coverage_interval: share_interval(coverage, groups, LEVEL),
-            spread: Spread::from_sample(&pooled),
+            spread: Spread::new(&pooled),
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use armid::estimation::{
     BaseEstimate, DriveGain, DriveGains, Estimate, EstimationError, EstimationProblem, EstimatorKind, GainMethod,
-    drive_gains as drive_gains_of, gain_sensitivity,
+    drive_gains as drive_gains_of, gain_slopes,
 };
 use armid::model::{Columns, Robot};
 use armid::observer::Observer;
@@ -18,7 +18,7 @@ use crate::payload::check_apart;
 /// What helps where a gain is not shown.
 fn more() -> Remedy {
     let help = Remedy::from("a load further from the axes, a heavier one, or more motion shows more: ");
-    let help = help.perform(Task::Design, "ROBOT").with_setting(Setting::Payload, "KG").say(" makes a motion for it; ");
+    let help = help.perform(Task::Design, "ROBOT").option(Setting::Payload, "KG").say(" makes a motion for it; ");
     help.perform(Task::CalibrateTorqueConstant, "").say(" needs no load")
 }
 
@@ -68,7 +68,7 @@ pub fn drive_gains(
     let found = GainMethod::ALL.iter().map(|&method| drive_gains_of(first, second, load, method));
     let found = found.collect::<Result<Vec<_>, _>>().map_err(named)?;
     let stated = EstimatorKind::Wls.estimator().estimate(&EstimationProblem::new(first)).map_err(named)?;
-    let moved = gain_sensitivity(first).map_err(named)?;
+    let moved = gain_slopes(first).map_err(named)?;
     Ok(DriveGainsAnswer {
         robot: without.robot.robot.clone(),
         load: *load,

@@ -329,7 +329,7 @@ fn efforts(experiment: &Experiment, certificate: &Certificate) -> Option<EffortM
     let nominal = loaded.nominal.as_ref().or(loaded.own.as_ref())?;
     let multiple = certificate.uncertainty_multiple;
     let spread = loaded.uncertainty.as_ref().filter(|_| multiple > 0.0);
-    let spread = spread.map(|shares| ParameterSpread::from_uncertainty(&loaded.robot, nominal, shares, multiple));
+    let spread = spread.map(|shares| ParameterSpread::new(&loaded.robot, nominal, shares, multiple));
     Some(EffortModel::new(&loaded.robot, nominal, spread.as_ref()))
 }
 

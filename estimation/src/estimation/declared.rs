@@ -61,10 +61,8 @@ fn of_motors(
     robot: &Robot,
     declared: &DeclaredUncertainty,
 ) -> Result<Vec<DVector<f64>>, EstimationError> {
-    let (constant, lag) = (
-        declared.standard_deviation(DeclaredUncertainty::TORQUE_CONSTANT),
-        declared.standard_deviation(DeclaredUncertainty::CURRENT_LAG),
-    );
+    let (constant, lag) =
+        (declared.std(DeclaredUncertainty::TORQUE_CONSTANT), declared.std(DeclaredUncertainty::CURRENT_LAG));
     if constant == 0.0 && lag == 0.0 {
         return Ok(Vec::new());
     }
@@ -112,7 +110,7 @@ fn coefficients(declared: &DeclaredUncertainty, observation: &Observation, beta:
         let [(id, _)] = observation.base.terms(j)[..] else { continue };
         let ParameterKind::Term(term) = id.kind else { continue };
         let prior = term.entry().prior;
-        let std = declared.standard_deviation(prior.key);
+        let std = declared.std(prior.key);
         if std > 0.0 {
             let size = match prior.of {
                 PriorOf::Value => value.abs(),

@@ -166,7 +166,7 @@ pub fn gain_equations(
 ///
 /// # Errors
 /// As [`Factorisation::least_squares`].
-pub fn gain_sensitivity(observation: &Observation) -> Result<DMatrix<f64>, EstimationError> {
+pub fn gain_slopes(observation: &Observation) -> Result<DMatrix<f64>, EstimationError> {
     let equations = Factorisation::new(observation)?;
     let linear = LinearFit::weighted(&equations)?;
     let Some(weights) = &linear.weights else { return Err(EstimationError::NotDefinite) };

@@ -72,7 +72,7 @@ pub use closed_loop::{
 };
 pub use comparison::{ComparedParameter, Comparison, compare};
 pub use completion::{Completion, complete};
-pub use drive_gains::{DriveGain, DriveGains, GainMethod, drive_gains, gain_equations, gain_sensitivity};
+pub use drive_gains::{DriveGain, DriveGains, GainMethod, drive_gains, gain_equations, gain_slopes};
 pub use error::{EstimationError, ExternalError, ProblemPart};
 pub use estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate};
 pub use estimator::Estimator;
@@ -89,7 +89,7 @@ pub use measured::Measured;
 pub use model_fit::{BodyOrigin, ModelFit, ModelGuess, PriorWeight, fit_model};
 pub use observation::Observation;
 pub use payload::{NegativeMass, NegativeMassCause, Payload, PayloadBody, PayloadParameter, payload};
-pub use position_servo::{PositionServo, ServoEstimate, ServoPart, interpolate_with_slope};
+pub use position_servo::{PositionServo, ServoEstimate, ServoPart, interpolate};
 pub use prediction::{Model, Validation, predict, validate};
 pub use problem::EstimationProblem;
 pub use residual::{residual_noise, scatter_noise};

@@ -179,7 +179,7 @@ impl PositionServo {
         let mut restated = samples.clone();
         for (at, tau) in restated.tau.iter_mut().enumerate() {
             let (row, i) = (at / n, at % n);
-            let (command, _) = interpolate_with_slope(&commands, n, i, row as f64 - later);
+            let (command, _) = interpolate(&commands, n, i, row as f64 - later);
             *tau = other.kp[i] * (command - samples.states.q[at]) - other.kd[i] * samples.states.qd[at];
         }
         // Rows whose command was before the samples, or is after them, are no equations.
@@ -199,7 +199,7 @@ impl PositionServo {
 
 /// The value of column `i` of a table of `n` columns at a row that need not be whole, and its slope per row: a cubic through the four
 /// rows around it (Catmull and Rom's); that of the first or last row beyond them.
-pub fn interpolate_with_slope(table: &[f64], n: usize, i: usize, row: f64) -> (f64, f64) {
+pub fn interpolate(table: &[f64], n: usize, i: usize, row: f64) -> (f64, f64) {
     let last = table.len() / n.max(1) - 1;
     let from = row.floor();
     let x = row - from;
@@ -237,14 +237,11 @@ mod tests {
     fn analytic_a_parabola_between_rows_is_exact() {
         let table: Vec<f64> = (0..6).flat_map(|k| [f64::from(k * k), 1.0 - f64::from(k)]).collect();
         for row in [1.0, 2.25, 3.5, 3.999] {
-            let (value, slope) = interpolate_with_slope(&table, 2, 0, row);
+            let (value, slope) = interpolate(&table, 2, 0, row);
             assert!((value - row * row).abs() < 1e-12 && (slope - 2.0 * row).abs() < 1e-12, "{row}: {value} {slope}");
-            assert!((interpolate_with_slope(&table, 2, 1, row).0 - (1.0 - row)).abs() < 1e-12);
+            assert!((interpolate(&table, 2, 1, row).0 - (1.0 - row)).abs() < 1e-12);
         }
-        assert_eq!(
-            (interpolate_with_slope(&table, 2, 0, -2.0).0, interpolate_with_slope(&table, 2, 0, 9.0).0),
-            (0.0, 25.0)
-        );
+        assert_eq!((interpolate(&table, 2, 0, -2.0).0, interpolate(&table, 2, 0, 9.0).0), (0.0, 25.0));
     }
 
     #[test]

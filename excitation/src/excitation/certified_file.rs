@@ -54,22 +54,18 @@ mod tests {
     use crate::trajectory::table_one;
 
     fn certified() -> (DesignProblem, PeriodicTrajectory, Certificate) {
-        let mut problem = DesignProblem::new(
-            chains::crs_a460(),
-            Columns::RIGID,
-            CriterionKind::Condition,
-            DesignLimits::motion_only(),
-        )
-        .unwrap();
+        let mut problem =
+            DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::Condition, DesignLimits::motion())
+                .unwrap();
         let nominal = Some(chains::crs_a460_nominal());
-        problem.set_limits(DesignLimits { nominal, ramp_s: Some(2.0), ..DesignLimits::motion_only() }).unwrap();
+        problem.set_limits(DesignLimits { nominal, ramp_s: Some(2.0), ..DesignLimits::motion() }).unwrap();
         problem.set_budget(DesignBudget { certificate_samples: 500, ..DesignBudget::default() }).unwrap();
         let mut series = table_one::corrected();
         for (moved, joint) in series.joints.iter_mut().zip(problem.robot().joints()) {
             moved.name.clone_from(&joint.name);
         }
         let motion: PeriodicTrajectory = series.into();
-        let certificate = Certificate::compute(&problem, &motion).unwrap();
+        let certificate = Certificate::new(&problem, &motion).unwrap();
         (problem, motion, certificate)
     }
 

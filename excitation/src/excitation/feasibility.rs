@@ -274,7 +274,7 @@ mod tests {
     #[test]
     fn identity_where_no_first_guess_keeps_its_clearance_the_one_that_lacks_least_is_taken() {
         // No motion of this arm keeps its forearm so far from its base.
-        let limits = DesignLimits { clearance_m: Some(0.4), ..DesignLimits::motion_only() };
+        let limits = DesignLimits { clearance_m: Some(0.4), ..DesignLimits::motion() };
         let problem = DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::DOptimal, limits).unwrap();
         let mut feasibility = Feasibility::new(&problem).unwrap();
         let (seed, index) = (Seed::new(7), 0);

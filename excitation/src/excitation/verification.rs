@@ -230,19 +230,19 @@ mod tests {
     fn swing() -> (DesignProblem, PeriodicTrajectory, Certificate) {
         let robot = planar_2r().with_joints(|joint| joint.limits.torque = 0.94 * LEVEL).unwrap();
         let mut problem =
-            DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, DesignLimits::motion_only()).unwrap();
+            DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, DesignLimits::motion()).unwrap();
         let mut nominal = StandardParameters::zero(2);
         nominal.links[0] = Inertia::from_array(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let omega = (0.3 * LEVEL / (0.16 * 0.5_f64)).sqrt();
         let period_s = std::f64::consts::TAU / omega;
         problem.set_space(DesignSpace::new(Family::Fourier, period_s, vec![5; 2])).unwrap();
         let (nominal, ramp_s) = (Some(nominal), Some(0.2 * period_s));
-        problem.set_limits(DesignLimits { nominal, ramp_s, ..DesignLimits::motion_only() }).unwrap();
+        problem.set_limits(DesignLimits { nominal, ramp_s, ..DesignLimits::motion() }).unwrap();
         problem.set_budget(DesignBudget { certificate_samples: 500, ..DesignBudget::default() }).unwrap();
         let joint = |name: &str, b: f64, q0: f64| FourierJoint { name: name.into(), a: vec![0.0], b: vec![b], q0 };
         let joints = vec![joint("shoulder", 0.5 * omega, -0.5), joint("elbow", 0.0, 0.0)];
         let motion = FourierTrajectory::new(period_s, joints).unwrap().into();
-        let certificate = Certificate::compute(&problem, &motion).unwrap();
+        let certificate = Certificate::new(&problem, &motion).unwrap();
         (problem, motion, certificate)
     }
 

@@ -152,7 +152,7 @@ impl Plan {
             let help = || {
                 let map = "q=joint[1-6] deg, tau=joint[1-6] motor gear=100";
                 Remedy::from("joints named as in the robot need no map; another map of joint states names joints: ")
-                    .setting_to(Setting::Map, map)
+                    .assign(Setting::Map, map)
             };
             let is_effort = quantity.is_effort();
             let is_known = |joint: &str| found.contains(joint) || (is_effort && joint == NONE);

@@ -182,8 +182,7 @@ fn with_unit(tables: &[LogTable], mut found: Found) -> Found {
     let table = &tables[found.table];
     let (units, first) = (found.quantity.units(), found.columns.iter().flatten().next());
     let of_file = || first.and_then(|&column| Unit::parse(table.columns()?.unit(column)?, units));
-    let of_heading =
-        || first.and_then(|&column| Unit::from_heading(&table.names()[column], units).map(|(unit, _)| unit));
+    let of_heading = || first.and_then(|&column| Unit::in_heading(&table.names()[column], units).map(|(unit, _)| unit));
     let said = found.map.unit.or_else(of_file).or_else(of_heading);
     found.unit = said.filter(|unit| *unit != Unit::Percent || found.map.rated.is_some()).unwrap_or(units[0]);
     found
@@ -200,9 +199,7 @@ fn by_headings(tables: &[LogTable], has_rate: bool) -> Result<Vec<Found>, Error>
             let headings = rows.names();
             let names: Vec<&str> = headings
                 .iter()
-                .map(|heading| {
-                    Unit::from_heading(heading, quantity.units()).map_or(heading.as_str(), |(_, front)| front)
-                })
+                .map(|heading| Unit::in_heading(heading, quantity.units()).map_or(heading.as_str(), |(_, front)| front))
                 .collect();
             let at = |name: &str| names.iter().position(|found| found.eq_ignore_ascii_case(name));
             let columns = quantity.names().iter().find_map(|prefix| {
@@ -234,9 +231,9 @@ fn by_headings(tables: &[LogTable], has_rate: bool) -> Result<Vec<Found>, Error>
             Remedy::from(EXPECTED)
                 .setting(Setting::Map)
                 .say(", which says what other headings mean: ")
-                .setting_to(Setting::Map, "t=time_ms, q=joint_[1-6]_pos deg, current=i_[1-6] mA")
+                .assign(Setting::Map, "t=time_ms, q=joint_[1-6]_pos deg, current=i_[1-6] mA")
                 .say(", of files side by side ")
-                .setting_to(Setting::Map, "t=time_ms, q=pos:joint_[1-6] deg, current=cur:i_[1-6] mA")
+                .assign(Setting::Map, "t=time_ms, q=pos:joint_[1-6] deg, current=cur:i_[1-6] mA")
                 .say(near.unwrap_or_default())
         };
         let help = first.columns().and_then(|table| table.lacking).map_or_else(help, Remedy::from);
@@ -245,7 +242,7 @@ fn by_headings(tables: &[LogTable], has_rate: bool) -> Result<Vec<Found>, Error>
     if !first.has_headings() {
         let message = format!("{} columns without headings, expected headings or a mapping", first.width());
         return Err(first.heading_fault(&message).help(
-            Remedy::from("state what the columns are: ").setting_to(Setting::Map, "t=#1, q=#[2-7] deg, tau=#[8-13]"),
+            Remedy::from("state what the columns are: ").assign(Setting::Map, "t=#1, q=#[2-7] deg, tau=#[8-13]"),
         ));
     }
     let has = |quantity| all.iter().find(|found: &&Found| found.quantity == quantity);
@@ -312,8 +309,9 @@ impl Reader<'_> {
         let t = match (self.rate_hz, self.get(Quantity::Time)) {
             (None, None) => {
                 let message = format!("{} has no column of times", self.tables[0].name());
-                return Err(Error::new(message)
-                    .help(Remedy::from("state the rows per second: ").setting_to(Setting::Rate, "HZ")));
+                return Err(
+                    Error::new(message).help(Remedy::from("state the rows per second: ").assign(Setting::Rate, "HZ"))
+                );
             }
             (None, Some(time)) => self.values(time, 1)?,
             (Some(_), _) => Vec::new(),

@@ -42,7 +42,7 @@ pub(super) fn names_in_log(
             );
             let names = names.join("/");
             let help = Remedy::from(format!("those with {prefix} are chosen by "))
-                .setting_to(Setting::Map, format!("q={names}, tau={names}"));
+                .assign(Setting::Map, format!("q={names}, tau={names}"));
             Err(Error::mismatch(message).help(help))
         }
         None => {

@@ -154,7 +154,7 @@ impl ProcessedLog {
         let robot = &self.robot.robot;
         if estimate.robot != robot.name() {
             let message = format!("{name} is of robot \"{}\", expected \"{}\"", estimate.robot, robot.name());
-            let help = Remedy::task(Task::Identify, "LOG").with_setting(Setting::Output, "E.json");
+            let help = Remedy::task(Task::Identify, "LOG").option(Setting::Output, "E.json");
             return Err(Error::mismatch(message).help(help.say(" makes an estimate of this robot")));
         }
         Columns::parse(&estimate.columns).ok_or_else(|| {

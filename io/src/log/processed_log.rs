@@ -97,10 +97,10 @@ impl ProcessedLog {
                 (None, EffortInterface::Torque) => {
                     let message =
                         format!("{} holds torques, expected motor currents: torques have no torque constant", log.name);
-                    let help = Remedy::from("name the columns of the currents: ")
-                        .setting_to(Setting::Map, "…, current=i_[1-6]");
                     let help =
-                        help.say(", or say that the efforts are currents by ").setting_to(Setting::Effort, "current");
+                        Remedy::from("name the columns of the currents: ").assign(Setting::Map, "…, current=i_[1-6]");
+                    let help =
+                        help.say(", or say that the efforts are currents by ").assign(Setting::Effort, "current");
                     return Err(Error::mismatch(message).help(help));
                 }
             };

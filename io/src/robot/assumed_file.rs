@@ -110,7 +110,7 @@ fn fill(table: &mut Table, loaded: &LoadedRobot, made: &mut Assumptions) -> Resu
         if !(torque.is_finite() && speed.is_finite()) {
             let message =
                 format!("joint \"{}\" states no largest torque or speed, expected both in [joint.limits]", joint.name);
-            let help = Remedy::task(Task::Robot, "arm.urdf").with_setting(Setting::Output, "robot.toml");
+            let help = Remedy::task(Task::Robot, "arm.urdf").option(Setting::Output, "robot.toml");
             return Err(Error::new(message).help(help.say(" begins a robot file with its gaps marked")));
         }
         let is_of = |table: &Value| table.get("name").and_then(Value::as_str) == Some(joint.name.as_str());

@@ -135,7 +135,7 @@ fn rows(path: &PathBuf, names: &[&str], mut take: impl FnMut(&[Field])) -> Resul
             names.iter().map(|name| all.get(&(*name).to_owned()).copied().cloned()).collect();
         let cells = cells.ok_or_else(|| {
             Error::new(format!("{}: expected the columns {}", path.display(), names.join(", ")))
-                .help(Remedy::task(Task::Study, "STUDY").with_setting(Setting::Output, "DIR").say(" writes them"))
+                .help(Remedy::task(Task::Study, "STUDY").option(Setting::Output, "DIR").say(" writes them"))
         })?;
         take(&cells);
     }

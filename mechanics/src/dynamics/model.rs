@@ -145,7 +145,7 @@ impl Dynamics {
         inverse::efforts(
             &self.chain,
             carried,
-            |i| ([q[i], qd[i], qdd[i]], turns.sine_cosine(i)),
+            |i| ([q[i], qd[i], qdd[i]], turns.sin_cos(i)),
             |i, effort| tau[i] = effort,
         );
     }

@@ -52,7 +52,7 @@ pub struct Spread {
 
 impl Spread {
     /// The five numbers of a sample; `None` where it is empty.
-    pub fn from_sample(values: &[f64]) -> Option<Self> {
+    pub fn new(values: &[f64]) -> Option<Self> {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
         Some(Self {

@@ -141,10 +141,9 @@ fn candidates(folder: &Path, result: &StudyResult, settings: &AdviceSettings) ->
                 let runs = own().filter(|run| condition.is_none_or(|condition| run.condition == condition));
                 runs.filter_map(|run| run.value).collect::<Vec<f64>>()
             };
-            let Some(error) = Spread::from_sample(&of(None)) else { continue };
+            let Some(error) = Spread::new(&of(None)) else { continue };
             let levels = result.conditions.iter().map(|condition| &condition.condition.name);
-            let by_level =
-                levels.filter_map(|name| Some((name.clone(), Spread::from_sample(&of(Some(name)))?))).collect();
+            let by_level = levels.filter_map(|name| Some((name.clone(), Spread::new(&of(Some(name)))?))).collect();
             let (design, estimator) = (design.name.clone(), estimator.clone());
             all.push((Candidate { design, estimator, error, over_best: None, by_level }, by_arm(own())));
         }

@@ -156,7 +156,7 @@ fn effort_noise(robot: &Robot) -> Result<Vec<f64>, Error> {
                 joint.name
             );
             let help = Remedy::from("current_noise_a of a drive states it; ").perform(Task::Robot, "ROBOT");
-            let help = help.with_setting(Setting::Output, "robot.toml").say(" begins a robot file");
+            let help = help.option(Setting::Output, "robot.toml").say(" begins a robot file");
             Err(Error::new(message).help(help))
         }
         None => Ok(noise),

@@ -71,9 +71,8 @@ pub fn export_source(
         .map_err(|error| Error::new(format!("robot \"{}\": {error}", robot.name())))?;
     if estimate.names() != base.names() {
         let fault = EstimationError::OtherBase { found: estimate.names(), expected: base.names() };
-        let help = Remedy::from("identify with every joint moving; ")
-            .perform(Task::Identify, "")
-            .with_setting(Setting::List, "");
+        let help =
+            Remedy::from("identify with every joint moving; ").perform(Task::Identify, "").option(Setting::List, "");
         let help = help.say(" names the estimators of all parameters");
         return Err(Error::new(format!("{name}: {fault}")).help(help));
     }

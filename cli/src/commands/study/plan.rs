@@ -43,7 +43,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         truths: truths.then(|| logs.first().map_or(0, Vec::len)),
         runs: logs.first().map_or(0, Vec::len),
     };
-    let components = VarianceComponents::from_pilot(&logs, truths).ok_or_else(|| {
+    let components = VarianceComponents::new(&logs, truths).ok_or_else(|| {
         let message = format!(
             "{}: found {} pairs of starts with {} runs each, expected two of each at least",
             arguments.folder.display(),

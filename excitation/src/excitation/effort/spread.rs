@@ -25,12 +25,7 @@ impl ParameterSpread {
 
     /// The spread by the shares that a `nominal.toml` states: of the mass, of the length of the first moment, of the trace of
     /// the inertia for each of its elements, of rotor inertia and friction; the offset's is absolute.
-    pub fn from_uncertainty(
-        robot: &Robot,
-        nominal: &StandardParameters,
-        shares: &RelativeUncertainty,
-        multiple: f64,
-    ) -> Self {
+    pub fn new(robot: &Robot, nominal: &StandardParameters, shares: &RelativeUncertainty, multiple: f64) -> Self {
         use ParameterKind as Kind;
         let deviation = |id: ParameterId| {
             let (value, link) = (nominal.get(id).abs(), &nominal.links[id.index]);
@@ -41,8 +36,8 @@ impl ParameterSpread {
                     shares.inertia * link.rotational.trace()
                 }
                 Kind::Term(term) => match term.entry().prior.of {
-                    PriorOf::Value => shares.coefficient(term) * value,
-                    PriorOf::Unit => shares.coefficient(term),
+                    PriorOf::Value => shares.of_term(term) * value,
+                    PriorOf::Unit => shares.of_term(term),
                 },
             }
         };
@@ -69,7 +64,7 @@ mod tests {
         nominal.drives[1][OFFSET] = 8.0;
         let terms = [("viscous", 0.25), ("offset_nm", 0.5)].map(|(key, share)| (key.to_owned(), share));
         let shares = RelativeUncertainty { mass: 0.1, first_moment: 0.2, inertia: 0.5, terms: terms.into() };
-        let spread = ParameterSpread::from_uncertainty(&robot, &nominal, &shares, 2.0);
+        let spread = ParameterSpread::new(&robot, &nominal, &shares, 2.0);
         let [link, other] = [&spread.deviations[..10], &spread.deviations[10..20]];
         let expected = [2.0, 2.6, 2.6, 2.6, 9.0, 9.0, 9.0, 9.0, 9.0, 9.0];
         for (found, expected) in link.iter().zip(expected) {

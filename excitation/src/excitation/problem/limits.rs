@@ -90,13 +90,13 @@ impl DesignLimits {
         let margin =
             |kind| if kind == JointKind::Revolute { margin_deg.to_radians() } else { SLIDING_M_PER_DEG * margin_deg };
         let position_margin = robot.joints().iter().map(|joint| margin(joint.kind)).collect();
-        let mut limits = Self { ramp_s, clearance_m, position_margin, ..Self::motion_only() };
+        let mut limits = Self { ramp_s, clearance_m, position_margin, ..Self::motion() };
         if let Some(confidence) = confidence {
             if !CONFIDENCE.contains(&confidence) {
                 return Err(ExcitationError::Confidence { found: confidence });
             }
             let multiple = ParameterSpread::multiple_for(confidence);
-            let spread = |(nominal, shares)| ParameterSpread::from_uncertainty(robot, nominal, shares, multiple);
+            let spread = |(nominal, shares)| ParameterSpread::new(robot, nominal, shares, multiple);
             limits.spread = nominal.zip(uncertainty).map(spread);
             limits.nominal = nominal.cloned();
             limits.margins.torque = if limits.spread.is_some() { 1.0 } else { WITHOUT_UNCERTAINTY };
@@ -106,7 +106,7 @@ impl DesignLimits {
     }
 
     /// Position, velocity, acceleration and jerk alone, on the period and not on ramps: neither torque, current nor clearance.
-    pub fn motion_only() -> Self {
+    pub fn motion() -> Self {
         Self {
             nominal: None,
             spread: None,
@@ -180,12 +180,12 @@ mod tests {
                 })
                 .unwrap();
         }
-        let limits = DesignLimits { position_margin: vec![0.25, 0.0], ..DesignLimits::motion_only() };
+        let limits = DesignLimits { position_margin: vec![0.25, 0.0], ..DesignLimits::motion() };
         let inner = limits.inner_robot(&robot).unwrap();
         let ranges: Vec<(f64, f64)> = inner.joints().iter().map(|joint| joint.limits.position).collect();
         assert_eq!(ranges, [(-0.75, 1.75), (-0.5, 0.75)]);
         // More than the whole range leaves none.
-        let limits = DesignLimits { position_margin: vec![1.6, 0.0], ..DesignLimits::motion_only() };
+        let limits = DesignLimits { position_margin: vec![1.6, 0.0], ..DesignLimits::motion() };
         assert!(limits.inner_robot(&robot).is_err());
     }
 }
