@@ -16,6 +16,7 @@ use armid::dynamics::{Dynamics, States};
 use armid::estimation::{Estimate, EstimatorKind, Identification, Observation};
 use armid::model::format::{parse_nominal, parse_robot};
 use armid::model::{Columns, EffortInterface, Robot, StandardParameters, bundled};
+use armid::observer::Unobserved;
 use armid::regressor::JointTorqueRegressor;
 use armid::seed::Seed;
 use armid::signal::{AperiodicRecord, Processing, Samples, process_aperiodic};
@@ -54,7 +55,7 @@ fn main() {
 
 fn estimates(identification: &Identification, samples: &Samples) -> Vec<Estimate> {
     let estimators = [EstimatorKind::Ols.estimator(), EstimatorKind::Wls.estimator()];
-    identification.estimate_by(samples, &estimators).expect("the motion excites all")
+    identification.estimate_watched(samples, &estimators, &Unobserved).expect("the motion excites all")
 }
 
 fn from_file(path: &str) {

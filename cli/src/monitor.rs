@@ -6,7 +6,7 @@ use armid::model::{EffortInterface, Joint, JointKind, Robot};
 use armid_hardware::guard::{Activity, GuardSettings, JointBounds};
 use armid_hardware::monitor::Snapshot;
 
-use crate::terminal::{Align, Table};
+use crate::terminal::Table;
 
 /// A state that is older than this is called old, s.
 const OLD_S: f64 = 0.1;
@@ -38,16 +38,9 @@ pub(crate) fn text(robot: &Robot, settings: &GuardSettings, place: &str, snapsho
     if let Some(fault) = &snapshot.fault {
         let _ = writeln!(text, "fault         {fault}");
     }
-    let right = Align::Right;
-    let mut table = Table::new(&[
-        ("joint", Align::Left),
-        ("position", right),
-        ("soft limits", right),
-        ("hard limits", right),
-        (if robot.effort() == EffortInterface::Current { "current" } else { "effort" }, right),
-        ("of clamp", right),
-        ("", Align::Left),
-    ]);
+    let effort = if robot.effort() == EffortInterface::Current { "current" } else { "effort" };
+    let headings = format!("joint | #position | #soft limits | #hard limits | #{effort} | #of clamp | ");
+    let mut table = Table::of(&headings);
     let bounds = JointBounds::of_robot(robot, settings);
     for (j, (joint, bounds)) in robot.joints().iter().zip(&bounds).enumerate() {
         table.row(joint_row(joint, bounds, j, snapshot));

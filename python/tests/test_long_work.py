@@ -57,6 +57,18 @@ def endless(**more):
     return armid.Robot.load("crs-a460").design("d-optimal", starts=1000, evaluations=100_000, **more)
 
 
+def assert_ctrl_c_ends(call):
+    # A shell that starts a program in the background has it ignore this signal.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    asked = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
+    asked.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            call()
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 def test_ctrl_c_ends_a_design_while_other_threads_run():
     ticks, over = [], threading.Event()
 
@@ -66,18 +78,24 @@ def test_ctrl_c_ends_a_design_while_other_threads_run():
 
     other = threading.Thread(target=tick)
     other.start()
-    # A shell that starts a program in the background has it ignore this signal.
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    asked = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
-    asked.start()
     try:
-        with pytest.raises(KeyboardInterrupt):
-            endless()
+        assert_ctrl_c_ends(endless)
     finally:
-        signal.signal(signal.SIGINT, before)
         over.set()
         other.join()
     assert len(ticks) > 5
+
+
+def test_ctrl_c_ends_every_other_long_call(robot, design, log, tmp_path):
+    plan = tmp_path / "study.toml"
+    plan.write_text(PLAN.replace("runs = 6", "runs = 100000"))
+    for call in [
+        lambda: robot.simulate(design, periods=1000),
+        lambda: robot.identify(log, "cloe"),
+        lambda: robot.identify(log, select="all"),
+        lambda: armid.study(plan, tmp_path / "study"),
+    ]:
+        assert_ctrl_c_ends(call)
 
 
 def test_progress_is_told_and_its_exception_ends_the_work():

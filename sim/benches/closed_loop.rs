@@ -37,11 +37,13 @@ fn main() {
     {
         let begin = Instant::now();
         let known = closed_loop_of(Some(closed_loop), &robot, Some(&nominal), &[Some(&recording)]).expect("a loop");
-        let problem = EstimationProblem::new(&observation)
-            .with_robot(&robot)
-            .with_samples(&samples)
-            .with_nominal(&nominal)
-            .with_closed_loop(Ok(&*known));
+        let problem = EstimationProblem {
+            robot: Some(&robot),
+            samples: Some(&samples),
+            nominal: Some(&nominal),
+            closed_loop: Ok(&*known),
+            ..EstimationProblem::new(&observation)
+        };
         let found = kind.estimator().estimate(&problem).expect("an estimate");
         let seconds = begin.elapsed().as_secs_f64();
         let error = (found.beta() - &beta).norm() / beta.norm();

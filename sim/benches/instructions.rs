@@ -14,6 +14,7 @@ use armid::excitation::{CriterionKind, DesignBudget, DesignLimits, DesignProblem
 use armid::experiment::{ExperimentPlan, Servo, record};
 use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
 use armid::model::{Columns, Robot, StandardParameters, bundled};
+use armid::observer::Unobserved;
 use armid::regressor::JointTorqueRegressor;
 use armid::seed::Seed;
 use armid::signal::Samples;
@@ -146,7 +147,8 @@ fn whole<'a>(arm: &'a Arm, samples: &'a Samples, chain: &'a Robot) -> Vec<Piece<
     vec![
         Piece::new("identification", "sample", samples.states.len(), move || {
             let estimators = [EstimatorKind::Ols.estimator(), EstimatorKind::Wls.estimator()];
-            black_box(identification.estimate_by(samples, &estimators).expect("random states excite all"));
+            let estimates = identification.estimate_watched(samples, &estimators, &Unobserved);
+            black_box(estimates.expect("random states excite all"));
         }),
         Piece::new("reduction", "robot", 1, || {
             for method in [Method::Structural, Method::Radkhah2007] {

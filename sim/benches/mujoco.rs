@@ -10,7 +10,7 @@ use armid::model::term::ROTOR;
 use std::num::NonZeroU32;
 use std::time::Instant;
 
-use armid::experiment::{ExperimentPlan, Flow, Next, Plant, RawSample, Recording, Servo, Sink};
+use armid::experiment::{Discarding, ExperimentPlan, Next, Plant, Servo};
 use armid::model::bundled;
 use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
 use armid::study::radkhah2007::table_one;
@@ -30,16 +30,6 @@ const Q: [f64; 6] = [0.3, 0.4, -0.2, 0.5, 0.6, 0.7];
 const QD: [f64; 6] = [1.0, -0.8, 0.7, -1.2, 1.1, 0.9];
 /// About what holds the arm and overcomes friction, so that no joint comes to rest within a block.
 const TAU: [f64; 6] = [9.0, -45.0, 5.0, -2.0, 2.0, 1.0];
-
-struct Nowhere;
-
-impl Sink for Nowhere {
-    fn begin(&mut self, _: &Recording) {}
-
-    fn sample(&mut self, _: &RawSample<'_>) -> Flow {
-        Flow::Continue
-    }
-}
 
 /// A name, and one step of what is timed.
 type Candidate<'a> = (&'static str, Box<dyn FnMut(bool) + 'a>);
@@ -155,7 +145,7 @@ fn main() {
         (
             "servo: controller, sensors, phases",
             Box::new(move |put_back| {
-                if !put_back && cycle.advance(&start, &[0.0; 6], &mut Nowhere, &mut |_| {}) != Next::Step {
+                if !put_back && cycle.advance(&start, &[0.0; 6], &mut Discarding, &mut |_| {}) != Next::Step {
                     cycle = servo.cycle(&plan).expect("a plan that can be performed");
                 }
             }),

@@ -6,7 +6,7 @@
 use std::num::NonZeroU32;
 use std::time::Instant;
 
-use armid::experiment::{ExperimentPlan, Flow, Next, Plant, RawSample, Recording, Servo, Sink, record};
+use armid::experiment::{Discarding, ExperimentPlan, Next, Plant, Servo, record};
 use armid::model::bundled;
 use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
 use armid::seed::Seed;
@@ -14,16 +14,6 @@ use armid::study::radkhah2007::table_one;
 use armid::study::truth_text;
 use armid::trajectory::FourierTrajectory;
 use armid_sim::{AnalyticPlant, BatchRun, RapierPlant, record_runs};
-
-struct Nowhere;
-
-impl Sink for Nowhere {
-    fn begin(&mut self, _: &Recording) {}
-
-    fn sample(&mut self, _: &RawSample<'_>) -> Flow {
-        Flow::Continue
-    }
-}
 
 fn main() {
     let entry = bundled().iter().find(|entry| entry.name == "crs-a460").expect("the A460 is bundled");
@@ -99,7 +89,7 @@ fn main() {
     let (q, qd) = (cycle.start().to_vec(), [0.0; 6]);
     let begin = Instant::now();
     let mut steps = 0;
-    while cycle.advance(&q, &qd, &mut Nowhere, &mut |_| {}) == Next::Step {
+    while cycle.advance(&q, &qd, &mut Discarding, &mut |_| {}) == Next::Step {
         steps += 1;
     }
     println!(

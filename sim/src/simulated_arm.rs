@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use armid::dynamics::{Dynamics, States};
 use armid::experiment::{
-    ActualArm, Arm, ArmError, Effects, Ending, ExperimentPlan, Flow, Phase, Plant, RawSample, Recording, Sensing,
-    Servo, ServoError, Sink, record_watched,
+    ActualArm, Arm, ArmError, Discarding, Effects, Ending, ExperimentPlan, Phase, Plant, Sensing, Servo, ServoError,
+    record_watched,
 };
 use armid::model::{Robot, StandardParameters};
 use armid::observer::Observer;
@@ -189,16 +189,5 @@ impl SimulatedArm {
         let servo = Servo::new(&self.robot, &self.nominal, plant)?;
         let servo = servo.with_sensing(sensing.clone()).with_effects(actual).with_robot_text(self.robot_text.as_ref());
         Ok(if self.truth.motors.is_empty() { servo } else { servo.with_motors(self.truth.motors.clone()) })
-    }
-}
-
-/// A sink for a run of which only the true states matter.
-struct Discarding;
-
-impl Sink for Discarding {
-    fn begin(&mut self, _: &Recording) {}
-
-    fn sample(&mut self, _: &RawSample<'_>) -> Flow {
-        Flow::Continue
     }
 }

@@ -5,7 +5,7 @@ use armid::base::{Method, reduce};
 use armid::conformance::arm_laws::{self, ArmTolerance};
 use armid::dynamics::{Dynamics, States};
 use armid::estimation::{EstimationProblem, EstimatorKind, Observation};
-use armid::experiment::{ExperimentPlan, Flow, Phase, RawSample, Recording, Sensing, Servo, Sink, Tracking, record};
+use armid::experiment::{Discarding, ExperimentPlan, Phase, Recording, Sensing, Servo, Tracking, record};
 use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
 use armid::model::{Columns, Robot, StandardParameters, bundled};
 use armid::regressor::JointTorqueRegressor;
@@ -24,16 +24,6 @@ fn arm(name: &str) -> (Robot, StandardParameters, Servo<AnalyticPlant>) {
     let plant = AnalyticPlant::new(&robot, &truth).unwrap();
     let servo = Servo::new(&robot, &nominal, plant).unwrap().with_robot_text(entry.robot);
     (robot, truth, servo)
-}
-
-struct Nowhere;
-
-impl Sink for Nowhere {
-    fn begin(&mut self, _: &Recording) {}
-
-    fn sample(&mut self, _: &RawSample<'_>) -> Flow {
-        Flow::Continue
-    }
 }
 
 fn table_one_plan(periods: usize) -> ExperimentPlan {
@@ -121,7 +111,7 @@ fn identity_true_states_and_torques_satisfy_the_regressor() {
     let mut worst: f64 = 0.0;
     let mut states = States::new(6);
     servo
-        .perform_observed(&table_one_plan(1), &mut Nowhere, &mut |state| {
+        .perform_observed(&table_one_plan(1), &mut Discarding, &mut |state| {
             if state.phase == Phase::Record && state.index % 37 == 0 {
                 let mut qdd = [0.0; 6];
                 dynamics.forward(state.q, state.qd, state.tau, &mut qdd);
@@ -195,7 +185,8 @@ fn identity_the_whole_chain_without_noise_recovers_the_parameters() {
         let recording = record(&mut servo.clone().with_sensing(sensing), &table_one_plan(2)).unwrap().0;
         let samples = process(&recording, &robot, &Processing::default()).unwrap();
         let observation = Observation::new(&robot, &regressor, &base, &samples).unwrap();
-        let problem = EstimationProblem::new(&observation).with_robot(&robot).with_samples(&samples);
+        let problem =
+            EstimationProblem { robot: Some(&robot), samples: Some(&samples), ..EstimationProblem::new(&observation) };
         let estimate = EstimatorKind::Ols.estimator().estimate(&problem).unwrap();
         (estimate.beta() - &beta).norm() / beta.norm()
     };

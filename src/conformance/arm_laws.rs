@@ -35,24 +35,18 @@ impl ArmTolerance {
 /// # Errors
 /// [`LawError`]: the first law that does not hold, with what was found.
 pub fn check<A: Arm>(plan: &ExperimentPlan, tolerance: &ArmTolerance, make: impl Fn() -> A) -> Result<(), LawError> {
-    let whole = perform("an experiment ends as planned", &mut make(), plan, usize::MAX)?;
-    let layout = whole.layout.clone();
-    LawError::unless(
-        "an experiment ends as planned",
-        whole.ending == Ending::Completed && whole.recording.len() == layout.samples(),
-        format!("{:?} after {} samples", whole.ending, whole.recording.len()),
-        format!("Completed after {} samples", layout.samples()),
-    )?;
+    let law = "an experiment ends as planned";
+    let whole = perform(law, &mut make(), plan, usize::MAX)?;
+    let (samples_found, planned) = (whole.recording.len(), whole.layout.samples());
+    let found = format!("{:?} after {samples_found} samples", whole.ending);
+    let ended = whole.ending == Ending::Completed && samples_found == planned;
+    LawError::unless(law, ended, found, format!("Completed after {planned} samples"))?;
     announcement(plan, &whole)?;
     samples(plan, tolerance, &whole)?;
     if tolerance.repeatable {
-        let again = perform("an experiment can be repeated", &mut make(), plan, usize::MAX)?;
-        LawError::unless(
-            "an experiment can be repeated",
-            again.recording == whole.recording,
-            "another recording",
-            "the same bits",
-        )?;
+        let law = "an experiment can be repeated";
+        let again = perform(law, &mut make(), plan, usize::MAX)?;
+        LawError::unless(law, again.recording == whole.recording, "another recording", "the same bits")?;
     }
     stopping(plan, &make)?;
     refusal(plan, &make)

@@ -53,7 +53,8 @@ pub fn check(estimator: &dyn Estimator) -> Result<(), LawError> {
         match estimator.exceptions().iter().find(|exception| exception.law == law) {
             Some(LawException { reason, .. }) => {
                 let holds = !reason.trim().is_empty();
-                LawError::unless("an exception states its reason", holds, format!("none for: {law}"), "a reason")?;
+                let found = format!("none for: {}", law.sentence());
+                LawError::unless("an exception states its reason", holds, found, "a reason")?;
             }
             None => setting.check(law, estimator)?,
         }
@@ -157,11 +158,13 @@ impl Setting {
         samples: &Samples,
     ) -> Result<Estimate, EstimationError> {
         let nominal = tenth_off(&self.robot, self.regressor.columns(), &self.truth);
-        let problem = EstimationProblem::new(observation)
-            .with_robot(&self.robot)
-            .with_samples(samples)
-            .with_closed_loop(Ok(&self.closed_loop));
-        estimator.estimate(&problem.with_nominal(&nominal))
+        let problem = EstimationProblem {
+            robot: Some(&self.robot),
+            samples: Some(samples),
+            closed_loop: Ok(&self.closed_loop),
+            ..EstimationProblem::new(observation)
+        };
+        estimator.estimate(&EstimationProblem { nominal: Some(&nominal), ..problem })
     }
 
     fn made(&self, law: EstimatorLaw, estimator: &dyn Estimator, samples: &Samples) -> Result<Estimate, LawError> {

@@ -18,7 +18,7 @@ use super::chains::{ChainRecipe, random_state};
 use super::law_error::LawError;
 use crate::dynamics::Dynamics;
 use crate::excitation::radkhah2007_start;
-use crate::experiment::{ActualArm, Effects, ExperimentPlan, Flow, Next, Plant, RawSample, Recording, Servo, Sink};
+use crate::experiment::{ActualArm, Discarding, Effects, ExperimentPlan, Next, Plant, Servo};
 use crate::model::term::Term;
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
@@ -222,16 +222,5 @@ impl Arm {
             }
         }
         LawError::unless_at_most(law, (errors / sizes).sqrt(), tolerance.effort)
-    }
-}
-
-/// Receives everything and goes on.
-struct Discarding;
-
-impl Sink for Discarding {
-    fn begin(&mut self, _: &Recording) {}
-
-    fn sample(&mut self, _: &RawSample<'_>) -> Flow {
-        Flow::Continue
     }
 }

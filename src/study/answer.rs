@@ -4,7 +4,7 @@ use super::comparison::Comparison;
 use super::condition::ConditionResult;
 use super::criterion_words::{capitalised, criterion_in_words};
 use super::metric::Metric;
-use super::ranking::{Ranking, Tally, tallies, wins};
+use super::ranking::{Ranking, Tally, known_or_new, tallies, wins};
 use super::result::StudyResult;
 
 /// So many effects are named.
@@ -65,10 +65,7 @@ impl StudyResult {
         let mut counts: Vec<(&str, usize)> = Vec::new();
         for claim in &found.claims {
             let words = claim.verdict.words();
-            match counts.iter_mut().find(|(verdict, _)| *verdict == words) {
-                Some((_, count)) => *count += 1,
-                None => counts.push((words, 1)),
-            }
+            known_or_new(&mut counts, |(verdict, _)| *verdict == words, || (words, 0)).1 += 1;
         }
         let listed: Vec<String> = counts.iter().map(|(verdict, count)| format!("{verdict}: {count}")).collect();
         Some(format!("**{} claims of Radkhah et al. (2007).** {}.", found.claims.len(), listed.join(", ")))

@@ -14,6 +14,7 @@ use super::metric::Metric;
 use super::result::StudyResult;
 use super::robots_summary::RobotDifference;
 use crate::experiment::{EffectKind, Effects, Level};
+use crate::model::distinct;
 
 /// Metrics that are followed over the size of an effect.
 const METRICS: [Metric; 3] = [Metric::Prediction, Metric::Measured, Metric::Reference];
@@ -77,14 +78,9 @@ impl EffectLevels {
         let plan = &result.plan;
         let engine = plan.engines.first();
         let parts = result.conditions.iter().filter(|part| Some(&part.condition.engine) == engine);
-        let sized: Vec<_> =
-            parts.map(|part| (part, Size::of(&plan.effects.overridden_by(&part.condition.effects)))).collect();
-        let mut kinds: Vec<&[EffectKind]> = Vec::new();
-        for size in sized.iter().filter_map(|(_, size)| size.as_ref()) {
-            if !size.kinds.is_empty() && !kinds.contains(&&size.kinds[..]) {
-                kinds.push(&size.kinds);
-            }
-        }
+        let sized: Vec<_> = parts.map(|part| (part, Size::of(&plan.effects.overridden_by(&part.condition.effects)))).collect();
+        let kinds = sized.iter().filter_map(|(_, size)| Some(&size.as_ref()?.kinds[..]));
+        let kinds = distinct(kinds.filter(|kinds| !kinds.is_empty()));
         let Some(estimator) = plan.identification.estimators.last() else { return Vec::new() };
         let over = |comparisons: &[Comparison], metric: Metric| -> Vec<Comparison> {
             let of = comparisons.iter().filter(|c| c.metric == metric && c.estimator == *estimator);

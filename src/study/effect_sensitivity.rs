@@ -21,7 +21,7 @@ use super::metric::Metric;
 use super::run_table::{RunNumber, RunTable};
 use super::setup::StudySetup;
 use crate::experiment::Level;
-use crate::model::ParameterKind;
+use crate::model::{ParameterKind, distinct};
 use crate::statistics::{Interval, mean, t_interval};
 
 /// The sensitivity of the estimates to all effects of a study.
@@ -85,12 +85,7 @@ fn kind_name(kind: ParameterKind) -> &'static str {
         ParameterKind::M => "masses",
         ParameterKind::Mcx | ParameterKind::Mcy | ParameterKind::Mcz => "first moments",
         ParameterKind::Term(term) => term.entry().group,
-        ParameterKind::Ixx
-        | ParameterKind::Ixy
-        | ParameterKind::Ixz
-        | ParameterKind::Iyy
-        | ParameterKind::Iyz
-        | ParameterKind::Izz => "inertias",
+        _ => "inertias",
     }
 }
 
@@ -122,12 +117,7 @@ impl StudySetup {
     ) -> Result<Option<EffectSensitivity>, StudyError> {
         let Some(first) = conditions.first().filter(|first| first.condition.effects.is_none()) else { return Ok(None) };
         let kinds = self.kinds();
-        let mut names: Vec<&'static str> = Vec::new();
-        for &kind in &kinds {
-            if !names.contains(&kind) {
-                names.push(kind);
-            }
-        }
+        let names: Vec<&'static str> = distinct(kinds.iter().copied());
         let mut entries = Vec::new();
         for (index, result) in conditions.iter().enumerate() {
             if result.condition.effects.is_none() || result.condition.engine != first.condition.engine {
@@ -200,20 +190,18 @@ impl StudySetup {
         let units = if means.len() > 1 { &means } else { &pooled };
         let ratio = (!pooled.is_empty()).then(|| libm::exp(mean(&pooled)));
         let interval = t_interval(units, 0.95).map(Interval::exponentiated);
+        let scored = if score.runs > 0 { &score.parameters[..] } else { &[] };
         let kind_ratios = names.iter().map(|name| {
             let squares: Vec<f64> = kinds
                 .iter()
-                .zip(score.parameters.iter().zip(&plain.parameters))
+                .zip(scored.iter().zip(&plain.parameters))
                 .filter(|(kind, _)| *kind == name)
                 .map(|(_, (with, without))| (with.rmse / without.rmse).powi(2))
                 .collect();
-            (!squares.is_empty() && score.runs > 0).then(|| mean(&squares).sqrt())
+            (!squares.is_empty()).then(|| mean(&squares).sqrt())
         });
-        let parameters: Vec<ParameterBias> = if score.runs > 0 {
-            score.parameters.iter().zip(&self.scorer.units).map(|(p, &unit)| ParameterBias::of(p, unit)).collect()
-        } else {
-            Vec::new()
-        };
+        let parameters: Vec<ParameterBias> =
+            scored.iter().zip(&self.scorer.units).map(|(p, &unit)| ParameterBias::of(p, unit)).collect();
         let mut worst: Vec<usize> = (0..parameters.len()).collect();
         worst.sort_by(|&a, &b| parameters[b].in_std.abs().total_cmp(&parameters[a].in_std.abs()));
         SensitivityEntry {
@@ -239,7 +227,7 @@ impl StudySetup {
 mod tests {
     use super::*;
     use crate::study::run_id::RunId;
-    use crate::study::small_results::{ESTIMATOR, erring, score, setup};
+    use crate::study::small_results::{ESTIMATOR, erring, scenario, score, setup};
     use crate::study::{Outcome, OutcomeTable, Score, ScoredEstimate};
 
     #[test]
@@ -275,5 +263,36 @@ mod tests {
         }
         let unknown = FamilyScore { estimator: "another".to_owned(), ..score("d-optimal", None) };
         assert!(setup.pairs(&designs, &runs, 1, &unknown).unwrap().is_empty());
+    }
+
+    #[test]
+    fn analytic_a_family_without_a_run_has_neither_biases_nor_ratios() {
+        let setup = setup();
+        let (rank, kinds) = (setup.base.rank(), setup.kinds());
+        let parameter = |rmse: f64| ParameterScore {
+            bias: 0.5,
+            bias_interval: None,
+            std: None,
+            stated_std: 0.25,
+            bound_std: 1.0,
+            rmse,
+            coverage: 0.0,
+            coverage_interval: None,
+            spread: None,
+        };
+        let scored = |runs: usize, rmse: f64| FamilyScore {
+            runs,
+            parameters: vec![parameter(rmse); rank],
+            ..score("d-optimal", None)
+        };
+        let warm = scenario("warm", Vec::new(), Vec::new());
+        let of = |runs: usize| {
+            let pairs = BTreeMap::new();
+            setup.entry(&warm, &scored(runs, 6.0), &scored(1, 2.0), &pairs, (&kinds[..1], &kinds))
+        };
+        let (one, none) = (of(1), of(0));
+        assert_eq!((one.parameters.len(), one.worst.len(), one.kind_ratios), (rank, rank, vec![Some(3.0)]));
+        assert_eq!(one.parameters[0].in_std, 2.0);
+        assert_eq!((none.parameters.len(), none.worst.len(), none.kind_ratios), (0, 0, vec![None]));
     }
 }

@@ -122,20 +122,13 @@ impl Evidence<'_> {
     /// Adds the spread over runs of a metric to the scores of all families.
     pub(super) fn add_spread(&self, metric: Metric, values: &RunValues, scores: &mut [FamilyScore]) {
         for (family, score) in scores.iter_mut().enumerate() {
-            let designs = self.designs_of(family);
-            let spread =
-                || Spread::new(&designs.iter().flat_map(|&design| present(&values[design])).collect::<Vec<f64>>());
-            match metric {
-                Metric::Prediction => score.prediction_spread = spread(),
-                Metric::Reference => score.reference_spread = spread(),
-                Metric::PredictionOfRating
-                | Metric::LogVolume
-                | Metric::Si
-                | Metric::Measured
-                | Metric::Slow
-                | Metric::PointToPoint
-                | Metric::Static => {}
-            }
+            let spread = match metric {
+                Metric::Prediction => &mut score.prediction_spread,
+                Metric::Reference => &mut score.reference_spread,
+                _ => return,
+            };
+            let values = self.designs_of(family).into_iter().flat_map(|design| present(&values[design]));
+            *spread = Spread::new(&values.collect::<Vec<f64>>());
         }
     }
 

@@ -247,7 +247,7 @@ impl StudyPlan {
                 return Err(number(key, found, "a number from 0 to 1"));
             }
         }
-        let seeds = std::iter::once(&self.effects).chain(&self.effect_sets).map(|effects| effects.seed().value());
+        let seeds = std::iter::once(&self.effects).chain(&self.effect_sets).map(|effects| effects.seed.value());
         match seeds.into_iter().find(|&seed| truths.draw_effects && seed != 0) {
             Some(found) => {
                 Err(number("effects.seed", found, "none, since truths.draw_effects draws one for each truth"))
@@ -271,10 +271,8 @@ impl StudyPlan {
         let odd = (0..self.designs.len())
             .map(|family| self.runs_of(family))
             .find(|runs| !runs.is_multiple_of(self.runs_of_noise()));
-        match odd {
-            Some(runs) => Err(number("runs", runs, "an even number, since runs with antithetic noise come in pairs")),
-            None => Ok(()),
-        }
+        let expected = "an even number, since runs with antithetic noise come in pairs";
+        odd.map_or(Ok(()), |runs| Err(number("runs", runs, expected)))
     }
 
     /// Index of the truth in this run of every design: 0 is the robot's own.

@@ -220,8 +220,8 @@ mod tests {
         }
         // Signs and phases of effects are drawn apart from the parameters.
         let effects = RandomTruths { draw_effects: true, ..none }.draw(&centre, seed).unwrap().remove(0);
-        assert_eq!((&effects.parameters, drawn[0].effects.seed()), (same, Seed::new(0)));
-        assert_ne!(effects.effects.seed(), Seed::new(0));
+        assert_eq!((&effects.parameters, drawn[0].effects.seed), (same, Seed::new(0)));
+        assert_ne!(effects.effects.seed, Seed::new(0));
         let mut impossible = centre;
         impossible.parameters.links[2] = Inertia::zero();
         let fault = few.draw(&impossible, seed).unwrap_err().to_string();

@@ -59,10 +59,7 @@ impl ConditionResult {
 pub(super) fn wins(parts: &[ConditionResult], estimator: &str) -> Vec<(String, usize)> {
     let mut wins: Vec<(String, usize)> = Vec::new();
     for best in parts.iter().filter_map(|part| part.best_family(estimator)) {
-        match wins.iter_mut().find(|(family, _)| family == best) {
-            Some((_, count)) => *count += 1,
-            None => wins.push((best.to_owned(), 1)),
-        }
+        known_or_new(&mut wins, |(family, _)| family == best, || (best.to_owned(), 0)).1 += 1;
     }
     wins.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
     wins
@@ -74,16 +71,22 @@ pub(super) fn tallies(parts: &[ConditionResult], reference: &str, metric: Metric
     let all = parts.iter().flat_map(|part| &part.findings.comparisons);
     let compared = all.filter(|c| c.estimator == estimator && c.metric == metric && c.interval.is_some());
     for c in compared.filter_map(|c| c.over(reference)) {
-        let known = tallies.iter().position(|tally| tally.family == c.first);
-        let at = known.unwrap_or_else(|| {
-            tallies.push(Tally { family: c.first.clone(), ..Tally::default() });
-            tallies.len() - 1
-        });
+        let new = || Tally { family: c.first.clone(), ..Tally::default() };
+        let tally = known_or_new(&mut tallies, |tally| tally.family == c.first, new);
         match &c.better {
-            Some(better) if *better == c.first => tallies[at].better += 1,
-            Some(_) => tallies[at].worse += 1,
-            None => tallies[at].open += 1,
+            Some(better) if *better == c.first => tally.better += 1,
+            Some(_) => tally.worse += 1,
+            None => tally.open += 1,
         }
     }
     tallies
+}
+
+/// The entry of a list that is the one looked for; a new one behind all where there is none.
+pub(super) fn known_or_new<T>(list: &mut Vec<T>, is_it: impl Fn(&T) -> bool, new: impl FnOnce() -> T) -> &mut T {
+    let at = list.iter().position(is_it).unwrap_or(list.len());
+    if at == list.len() {
+        list.push(new());
+    }
+    &mut list[at]
 }

@@ -4,6 +4,7 @@ use super::agreement::Agreement;
 use super::criterion_words::{capitalised, criterion_pair_in_words};
 use super::metric::Metric;
 use super::robots_summary::{RobotsComparison, RobotsSummary};
+use crate::model::distinct;
 
 /// Metrics that the answer tells of.
 const TOLD: [Metric; 2] = [Metric::Prediction, Metric::Measured];
@@ -33,14 +34,7 @@ impl RobotsSummary {
 
     /// Pairs of families, in the order in which they were found.
     pub fn pairs(&self) -> Vec<[&str; 2]> {
-        let mut pairs: Vec<[&str; 2]> = Vec::new();
-        for row in &self.comparisons {
-            let pair = [row.first.as_str(), row.second.as_str()];
-            if !pairs.contains(&pair) {
-                pairs.push(pair);
-            }
-        }
-        pairs
+        distinct(self.comparisons.iter().map(|row| [row.first.as_str(), row.second.as_str()]))
     }
 
     /// A pair in one metric under every condition.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::agreement::Agreement;
 use super::comparison::Comparison;
 use super::metric::Metric;
+use super::ranking::known_or_new;
 use super::result::StudyResult;
 use crate::provenance::Provenance;
 use crate::statistics::Interval;
@@ -218,13 +219,9 @@ fn place<T: PartialEq>(list: &[T], value: &T) -> usize {
 fn counts(comparisons: &[RobotsComparison]) -> Vec<AgreementCounts> {
     let mut counts: Vec<AgreementCounts> = Vec::new();
     for row in comparisons {
-        let known = counts.iter().position(|count| count.metric == row.metric && count.estimator == row.estimator);
-        let at = known.unwrap_or_else(|| {
-            let (metric, estimator) = (row.metric, row.estimator.clone());
-            counts.push(AgreementCounts { metric, estimator, ..AgreementCounts::default() });
-            counts.len() - 1
-        });
-        counts[at].add(row.agreement);
+        let (metric, estimator) = (row.metric, &row.estimator);
+        let new = || AgreementCounts { metric, estimator: estimator.clone(), ..AgreementCounts::default() };
+        known_or_new(&mut counts, |of| of.metric == metric && of.estimator == *estimator, new).add(row.agreement);
     }
     counts
 }

@@ -271,26 +271,22 @@ impl StudySetup {
     /// Every estimator of the plan on the same samples, or the reason why it gave nothing.
     pub(super) fn unscored(&self, processed: &Processed, observer: &dyn Observer) -> Vec<Result<Estimate, RunError>> {
         let samples = &processed.samples;
-        let all_failed =
-            |fault: EstimationError| self.estimators.iter().map(|_| Err(RunError::estimator(&fault))).collect();
-        let observation = match observe(&self.robot, &self.regressor, &self.base, samples) {
-            Ok(observation) => observation,
-            Err(fault) => return all_failed(fault),
+        let all = || -> Result<Vec<_>, EstimationError> {
+            let observation = observe(&self.robot, &self.regressor, &self.base, samples)?;
+            let equations = Factorisation::new(&observation)?;
+            let problem = EstimationProblem {
+                factorisation: Some(&equations),
+                robot: Some(&self.robot),
+                nominal: Some(&self.nominal),
+                samples: Some(samples),
+                closed_loop: processed.closed_loop.as_deref(),
+                observer,
+                ..EstimationProblem::new(&observation)
+            };
+            Ok(self.estimators.iter().map(|estimator| estimator.estimate(&problem)).collect())
         };
-        let equations = match Factorisation::new(&observation) {
-            Ok(equations) => equations,
-            Err(fault) => return all_failed(fault),
-        };
-        let problem = EstimationProblem::new(&observation)
-            .with_factorisation(&equations)
-            .with_robot(&self.robot)
-            .with_nominal(&self.nominal)
-            .with_samples(samples)
-            .with_closed_loop(processed.closed_loop.as_deref());
-        let problem = EstimationProblem { observer, ..problem };
-        let estimate =
-            |estimator: &Arc<dyn Estimator>| estimator.estimate(&problem).map_err(|fault| RunError::estimator(&fault));
-        self.estimators.iter().map(estimate).collect()
+        let all = all().unwrap_or_else(|fault| vec![Err(fault); self.estimators.len()]);
+        all.into_iter().map(|made| made.map_err(|fault| RunError::estimator(&fault))).collect()
     }
 
     /// The results under each condition; `bounds` holds the Cramér–Rao standard deviations of each design.

@@ -85,21 +85,12 @@ struct Quadratic {
 impl Quadratic {
     /// Value of `Σ c_p φ_p` for a unit point mass at x: its ten are 1, x, y, z, y²+z², −xy, −xz, x²+z², −yz, x²+y².
     fn of_point_mass(c: &[f64; 10]) -> Self {
-        let (xx, xy, xz, yy, yz, zz) = (c[4], c[5], c[6], c[7], c[8], c[9]);
+        let (xx, yy, zz) = (c[4], c[7], c[9]);
+        let [xy, xz, yz] = [c[5], c[6], c[8]].map(|product| -0.5 * product);
         Self {
             constant: c[0],
             linear: Vector3::new(c[1], c[2], c[3]),
-            square: Matrix3::new(
-                yy + zz,
-                -0.5 * xy,
-                -0.5 * xz,
-                -0.5 * xy,
-                xx + zz,
-                -0.5 * yz,
-                -0.5 * xz,
-                -0.5 * yz,
-                xx + yy,
-            ),
+            square: Matrix3::new(yy + zz, xy, xz, xy, xx + zz, yz, xz, yz, xx + yy),
         }
     }
 

@@ -7,7 +7,7 @@ use armid::conformance::estimator_laws;
 use armid::dynamics::Dynamics;
 use armid::estimation::{
     Estimate, EstimationError, EstimationProblem, Estimator, EstimatorKind, EstimatorLaw, Inference,
-    Instruments as InstrumentRows, IntervalBasis, LawException, Observation, ProblemPart, Termination, residual_noise,
+    Instruments as InstrumentRows, IntervalBasis, LawException, Observation, Termination, residual_noise,
     scatter_noise, solve,
 };
 use armid::linalg::LeastSquares;
@@ -122,7 +122,7 @@ impl Estimator for Instruments {
         let solution = &inverse * z.tr_mul(&observation.y);
         let identity = DMatrix::identity(inverse.nrows(), inverse.nrows());
         let factors = [inverse, identity];
-        let fit = LeastSquares::from_factors(solution, factors, plain.condition(), plain.condition_scaled())?;
+        let fit = LeastSquares::from_factors(solution, factors, plain.condition, plain.condition_scaled)?;
         let noise = scatter_noise(observation)
             .unwrap_or_else(|| residual_noise(observation, &observation.residual(fit.solution())));
         Inference {
@@ -219,9 +219,10 @@ fn an_estimator_from_outside_identifies_and_names_what_it_lacks() {
         assert!((own.ci95[1] - own.value - t * own.std).abs() < 1e-9 * own.std, "{own:?}");
     }
     let error = Foreign { fails: true }.estimate(&problem).unwrap_err();
-    assert_eq!(error.as_external().unwrap().to_string(), "the other program has no licence");
+    let EstimationError::External(own) = &error else { panic!("{error}") };
+    assert_eq!(own.0.to_string(), "the other program has no licence");
     let lacking = Instruments.estimate(&problem).unwrap_err();
-    assert_eq!(lacking, EstimationError::Missing { estimator: "instruments".to_owned(), part: ProblemPart::Robot });
+    assert_eq!(lacking, EstimationError::Missing { estimator: "instruments".to_owned(), part: "the robot" });
 }
 
 const PLAN: &str = r#"

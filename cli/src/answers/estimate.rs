@@ -10,7 +10,7 @@ use armid_workflow::numbers::{number, percent};
 
 use super::findings::{findings, paragraph};
 use super::verdict::verdict_text;
-use crate::terminal::{Align, Table};
+use crate::terminal::Table;
 
 /// Rows of a table of parameters that still fit on one screen with the rest.
 const SCREEN_ROWS: usize = 12;
@@ -23,26 +23,21 @@ fn residual_table(
     held_out: Option<&TorqueResidual>,
     verbose: bool,
 ) -> String {
-    let mut headings = vec![
-        ("joint", Align::Left),
-        ("residual RMS", Align::Right),
-        ("", Align::Left),
-        ("of the measured", Align::Right),
-    ];
+    let mut headings = "joint | #residual RMS |  | #of the measured".to_owned();
     let mut columns = vec![&fit.all];
     if let Some(held_out) = held_out {
-        headings.push(("held out", Align::Right));
+        headings += " | #held out";
         columns.push(&held_out.all);
     }
     if verbose {
-        headings.push(("rows of the fit", Align::Right));
+        headings += " | #rows of the fit";
         columns.push(&fit.used);
         if let Some(held_out) = held_out {
-            headings.push(("such rows held out", Align::Right));
+            headings += " | #such rows held out";
             columns.push(&held_out.used);
         }
     }
-    let mut table = Table::new(&headings);
+    let mut table = Table::of(&headings);
     for (i, joint) in joints.iter().enumerate() {
         let mut row = vec![joint.clone(), significant(fit.all.rms[i], 3), units[i].clone()];
         row.extend(columns.iter().map(|rows| percent(rows.share[i])));
@@ -166,16 +161,10 @@ fn what_more(Identified { estimate, verdict, .. }: &Identified, shows_parameters
 
 fn parameters(Identified { estimate, expressions, .. }: &Identified, verbose: bool) -> String {
     let declares = estimate.base.iter().any(|parameter| parameter.declared_std > 0.0);
-    let mut headings = vec![("parameter", Align::Left), ("value", Align::Right), ("std", Align::Right)];
-    if declares {
-        // In squares: what the robot file declares, and no residual shows.
-        headings.push(("of it declared", Align::Right));
-    }
-    headings.extend([("95 % interval", Align::Right), ("", Align::Right), ("unit", Align::Left)]);
-    if verbose {
-        headings.push(("stands for", Align::Left));
-    }
-    let mut table = Table::new(&headings);
+    // In squares: what the robot file declares, and no residual shows.
+    let declared = if declares { " | #of it declared" } else { "" };
+    let meaning = if verbose { " | stands for" } else { "" };
+    let mut table = Table::of(&format!("parameter | #value | #std{declared} | #95 % interval | # | unit{meaning}"));
     for (parameter, expression) in estimate.base.iter().zip(expressions) {
         let decimals = decimals(parameter.std);
         let shown = |number: f64| if number.is_finite() { format!("{number:.decimals$}") } else { "–".to_owned() };

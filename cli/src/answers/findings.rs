@@ -3,7 +3,7 @@
 use armid::estimation::Finding;
 use armid_workflow::identification::grouped;
 
-use crate::terminal::{Align, Table};
+use crate::terminal::Table;
 
 /// The findings behind the first so many kinds as a text.
 pub(crate) fn findings(all: &[Finding], kinds: usize) -> String {
@@ -20,7 +20,7 @@ pub(crate) fn findings(all: &[Finding], kinds: usize) -> String {
 
 /// A sentence, broken between words.
 pub(crate) fn paragraph(sentence: &str, indent: usize) -> String {
-    let mut table = Table::new(&[("", Align::Left)]);
+    let mut table = Table::of("");
     table.row([sentence]);
     table.render(indent).trim_start_matches('\n').to_owned()
 }

@@ -6,7 +6,7 @@ use armid::number::significant;
 use armid_workflow::identification::hidden_speeds;
 
 use super::findings::paragraph;
-use crate::terminal::{Align, Table, number};
+use crate::terminal::{Table, number};
 
 fn name<'a>(robot: &'a Robot, of: &FrictionSpeed) -> &'a str {
     &robot.joints()[of.joint - 1].name
@@ -42,18 +42,8 @@ pub(crate) fn speeds_text(speeds: &FrictionSpeeds, robot: &Robot, used: bool) ->
         true => ("speeds in which Coulomb friction sets in", "Coulomb friction"),
         false => ("speeds at which friction falls", "above Coulomb friction"),
     };
-    let mut table = Table::new(&[
-        ("joint", Align::Left),
-        ("stated", Align::Right),
-        ("speed", Align::Right),
-        ("95 % interval", Align::Right),
-        ("", Align::Right),
-        ("", Align::Left),
-        (amplitude, Align::Right),
-        ("95 % interval", Align::Right),
-        ("", Align::Right),
-        ("", Align::Left),
-    ]);
+    let measured = "#95 % interval | # | ";
+    let mut table = Table::of(&format!("joint | #stated | #speed | {measured} | #{amplitude} | {measured}"));
     for of in &speeds.joints {
         let kind = robot.joints()[of.joint - 1].kind;
         let three = |value: Option<Measured>| match value {

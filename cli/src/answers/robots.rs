@@ -5,13 +5,12 @@ use std::path::Path;
 use armid::study::{Agreement, RobotsSummary};
 use armid_io::Error;
 
-use crate::terminal::{Align, Answer, Table};
+use crate::terminal::{Answer, Table};
 
 /// The answer of a study that is finished on every robot.
 pub(crate) fn answer(summary: &RobotsSummary, page: &Path) -> Result<Answer, Error> {
-    let mut columns = vec![("metric", Align::Left), ("estimator", Align::Left)];
-    columns.extend(Agreement::ALL.map(|agreement| (agreement.words(), Align::Right)));
-    let mut table = Table::new(&columns);
+    let counted = Agreement::ALL.map(Agreement::words).join(" | #");
+    let mut table = Table::of(&format!("metric | estimator | #{counted}"));
     for counts in &summary.agreements {
         let mut row = vec![counts.metric.title().to_owned(), counts.estimator.clone()];
         row.extend(Agreement::ALL.map(|agreement| counts.count(agreement).to_string()));

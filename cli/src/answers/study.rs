@@ -5,7 +5,7 @@ use std::fmt::Write;
 use armid::study::{ConditionResult, FamilyScore, Findings, Metric, MotionKind, StudyResult};
 use armid_workflow::study::StudySummary;
 
-use crate::terminal::{Align, Answer, Table, number};
+use crate::terminal::{Answer, Table, number};
 
 /// The answer of a finished study.
 pub(crate) fn answer(summary: &StudySummary) -> Answer {
@@ -115,9 +115,8 @@ fn families(result: &StudyResult) -> Table {
 
 /// Every criterion on each kind of motion.
 fn motions(result: &StudyResult) -> Table {
-    let mut columns = vec![("prediction RMSE, N·m", Align::Left), ("estimator", Align::Left)];
-    columns.extend(MotionKind::ALL.map(|kind| (kind.title(), Align::Right)));
-    let mut table = Table::new(&columns);
+    let kinds = MotionKind::ALL.map(MotionKind::title).join(" | #");
+    let mut table = Table::of(&format!("prediction RMSE, N·m | estimator | #{kinds}"));
     for family in &result.findings().families {
         let mut row = vec![family.family.clone(), family.estimator.clone()];
         row.extend(Metric::OF_MOTIONS.iter().map(|&metric| value(family, metric)));

@@ -43,10 +43,7 @@ impl Experiment {
     fn of(planned: experiment::Experiment) -> Result<Self, Error> {
         let text = &planned.text;
         let file: File = toml::from_str(&text.content).map_err(|error| Error::of_toml(text, &error))?;
-        let arm = match &file.arm {
-            None => ArmKind::Simulated(Engine::Analytic),
-            Some(name) => arm(name, text)?,
-        };
+        let arm = file.arm.as_ref().map_or(Ok(ArmKind::Simulated(Engine::Analytic)), |name| arm(name, text))?;
         let ros2 = checked(text, file.ros2, LinkSettings::check)?;
         let guard = checked(text, file.guard, GuardSettings::check)?;
         Ok(Self { planned, arm, ros2, guard, guarded: false, confirmation: None })

@@ -80,11 +80,8 @@ fn motion(
     nominal: &armid::model::StandardParameters,
     seed: Seed,
 ) -> Result<PeriodicTrajectory> {
-    let name = match &arguments.trajectory {
-        Some(name) => Some(name.as_str()),
-        None => (loaded.robot.name() == "crs-a460").then_some("table-one"),
-    };
-    match name {
+    let usual = (loaded.robot.name() == "crs-a460").then_some("table-one");
+    match arguments.trajectory.as_deref().or(usual) {
         Some(name) => Ok(trajectory::load(name, None, &loaded.robot)?),
         None => safe_motion(&loaded.robot, nominal, seed)
             .map(PeriodicTrajectory::from)

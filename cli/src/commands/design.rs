@@ -119,7 +119,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     json["file"] = serde_json::json!(destination.path());
     json["figures"] = serde_json::json!(figures);
     json["separating_experiments"] = separating.iter().map(SeparatingExperiment::json).collect();
-    let text = DesignText { answer: &answer, destination, figures, separating }.text(console.verbose());
+    let text = DesignText { answer: &answer, destination, figures, separating }.text(console.global.verbose);
     console.show(&Answer { text, json })?;
     Ok(match (answer.interrupted, answer.is_feasible()) {
         (true, _) => Ending::Interrupted,

@@ -10,7 +10,7 @@ use miette::Result;
 use serde_json::json;
 
 use crate::arms::ArmKind;
-use crate::terminal::{Align, Answer, Console, Ending, Table};
+use crate::terminal::{Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
 Example:
@@ -48,7 +48,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let studies = bundled_experiments::names("study.toml");
     let platform = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
     let none = |list: String| if list.is_empty() { "none".to_owned() } else { list };
-    let mut table = Table::new(&[("armid", Align::Left), (env!("CARGO_PKG_VERSION"), Align::Left)]);
+    let mut table = Table::of(concat!("armid | ", env!("CARGO_PKG_VERSION")));
     for (name, value) in [
         ("platform", platform.clone()),
         ("cores", cores.to_string()),

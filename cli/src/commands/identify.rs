@@ -10,8 +10,7 @@ use armid_workflow::identification::{IdentifySettings, identify};
 use miette::Result;
 use serde_json::json;
 
-use super::drive_gains;
-use super::payload::{self, PayloadLogs};
+use super::{drive_gains, payload};
 use crate::answers::estimate::estimate_text;
 use crate::answers::friction_speed::{onset_text, speeds_text};
 use crate::answers::selection::selection_text;
@@ -138,13 +137,13 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         return Ok(Ending::Done);
     }
     let columns = if arguments.no_friction { Columns::RIGID } else { arguments.columns };
+    let sides = [&*arguments.without, &*arguments.with];
     if arguments.payload {
-        let logs = PayloadLogs { without: &arguments.without, with: &arguments.with, log: &arguments.log };
-        return payload::run(&logs, columns, &arguments.estimator, console);
+        return payload::run(sides, &arguments.log, columns, &arguments.estimator, console);
     }
     if arguments.drive_gains {
         let load = arguments.known_load.load()?;
-        return drive_gains::run([&arguments.without, &arguments.with], &arguments.log, columns, &load, console);
+        return drive_gains::run(sides, &arguments.log, columns, &load, console);
     }
     let among = arguments.select.as_deref().map(candidates).transpose()?;
     let (held_out, other) = arguments.held_out()?;
@@ -169,10 +168,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let answer = identify(prepared, Some(inputs), &settings, &Watch::new(console))?;
     let json = serde_json::to_value(&answer).map_err(Error::new)?;
     let robot = &answer.log.robot.robot;
-    let said = answer.estimates.iter().map(|of| estimate_text(&answer.log, of, console.verbose()));
+    let said = answer.estimates.iter().map(|of| estimate_text(&answer.log, of, console.global.verbose));
     let mut text: String = said.collect();
     text += &answer.selection.as_ref().map(selection_text).unwrap_or_default();
-    let in_full = console.verbose() || arguments.onset_speed.is_some();
+    let in_full = console.global.verbose || arguments.onset_speed.is_some();
     let said = |onset: &FrictionSpeeds| {
         if in_full { speeds_text(onset, robot, onset.predict_better()) } else { onset_text(onset, robot) }
     };

@@ -1,6 +1,5 @@
 //! `armid init`
 
-use std::fmt::Write;
 use std::path::PathBuf;
 
 use armid::input::check_file_name;
@@ -43,16 +42,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         }
     };
     let written = Starter::of_urdf(&arguments.urdf, &ends)?.write(&folder)?;
-    let mut text = String::new();
-    for place in &written {
-        let _ = writeln!(text, "{}", place.display());
-    }
-    let _ = writeln!(
-        text,
-        "next: fill in the gaps of robot.toml that matter, then as {} says",
-        folder.join("README.md").display()
-    );
     let files: Vec<String> = written.iter().map(|place| place.display().to_string()).collect();
+    let readme = folder.join("README.md");
+    let next = format!("next: fill in the gaps of robot.toml that matter, then as {} says", readme.display());
+    let text = format!("{}\n{next}\n", files.join("\n"));
     console.show(&Answer { text, json: json!({ "folder": folder.display().to_string(), "files": files }) })?;
     Ok(Ending::Done)
 }

@@ -56,7 +56,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     };
     let place = format!("ROS domain {}, {network}", experiment.ros2.domain);
     let shown = |snapshot: &Snapshot| text(robot, &experiment.guard, &place, snapshot);
-    if arguments.once || console.json() || !std::io::stdout().is_terminal() {
+    if arguments.once || console.global.json || !std::io::stdout().is_terminal() {
         let until = Instant::now() + Duration::from_secs_f64(arguments.listen.clamp(0.0, 3600.0));
         while Instant::now() < until && !interrupt::asked() {
             monitor.look(LOOK);

@@ -13,15 +13,10 @@ use crate::answers::payload::text;
 use crate::arguments::LogArguments;
 use crate::terminal::{Answer, Console, Ending, Watch};
 
-/// The logs of the arm without and with its load.
-pub(super) struct PayloadLogs<'a> {
-    pub(super) without: &'a [PathBuf],
-    pub(super) with: &'a [PathBuf],
-    pub(super) log: &'a LogArguments,
-}
-
+/// From the logs of the arm without and with its load.
 pub(super) fn run(
-    logs: &PayloadLogs<'_>,
+    [without, with]: [&[PathBuf]; 2],
+    log: &LogArguments,
     columns: Columns,
     estimators: &[EstimatorKind],
     console: &Console,
@@ -29,15 +24,14 @@ pub(super) fn run(
     let [estimator] = estimators else {
         return Err(Error::new("--payload takes one estimator, found several").into());
     };
-    let (without, robot) = match logs.without {
-        [one] if one.extension().is_some_and(|extension| extension == "json") => (of_estimate(one)?, None),
-        several => of_logs(logs.log, several, None, (columns, *estimator), console)?,
+    let without = match without {
+        [one] if one.extension().is_some_and(|extension| extension == "json") => of_estimate(one)?,
+        several => of_logs(log, several, None, (columns, *estimator), console)?.0,
     };
     // Robot, mapping and processing are those of the estimate where nothing else is said.
     let columns = columns_of(&without.estimate, &without.name)?;
-    let (with, again) = of_logs(logs.log, logs.with, Some(&without), (columns, *estimator), console)?;
-    let loaded = again.or(robot).ok_or_else(|| Error::new("no robot is named, expected --robot ROBOT"))?;
-    let answer = payload(&loaded, without, with)?;
+    let (with, robot) = of_logs(log, with, Some(&without), (columns, *estimator), console)?;
+    let answer = payload(&robot, without, with)?;
     let json = serde_json::to_value(&answer).map_err(Error::new)?;
     console.deliver_json(&Answer { text: text(&answer), json })?;
     Ok(if answer.is_sound() { Ending::Done } else { Ending::Negative })
@@ -58,9 +52,9 @@ fn of_logs(
     other: Option<&PayloadSide>,
     (columns, estimator): (Columns, EstimatorKind),
     console: &Console,
-) -> Result<(PayloadSide, Option<LoadedRobot>), Error> {
+) -> Result<(PayloadSide, LoadedRobot), Error> {
     let remembered = other.and_then(|other| other.inputs.as_ref());
     let (mut prepared, inputs) = log.process(paths, remembered, HeldOut::Nothing)?;
     let side = PayloadSide::of_log(&mut prepared, Some(inputs), columns, estimator, other, &Watch::new(console))?;
-    Ok((side, Some(prepared.robot)))
+    Ok((side, prepared.robot))
 }

@@ -9,7 +9,7 @@ use armid_workflow::{ReductionAnswer, ReductionSettings, reduce};
 use miette::Result;
 
 use crate::arguments::{RobotArguments, columns, one_of};
-use crate::terminal::{Align, Answer, Console, Ending, Table};
+use crate::terminal::{Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
 All methods give the same base parameters: `structural` walks over the links without random numbers, `qr` \
@@ -86,7 +86,7 @@ fn text(ReductionAnswer { robot, columns, base, expressions, trajectory, finding
         }
         let of_category = base.parameters.iter().zip(&base.categories).filter(|(_, found)| **found == category);
         let names: Vec<String> = of_category.map(|(id, _)| id.to_string()).collect();
-        let mut list = Table::new(&[(category.name(), Align::Left)]);
+        let mut list = Table::of(category.name());
         list.row([names.join(" ")]);
         let _ = write!(text, "\n{}", list.render(2));
     }

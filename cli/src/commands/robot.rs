@@ -12,7 +12,7 @@ use miette::Result;
 use serde_json::{Value, json};
 
 use crate::arguments::ChainArguments;
-use crate::terminal::{Align, Answer, Console, Ending, Table, number};
+use crate::terminal::{Answer, Console, Ending, Table, number};
 
 const AFTER_HELP: &str = "\
 Examples:
@@ -119,11 +119,10 @@ fn describe(loaded: &LoadedRobot) -> Answer {
         if let Some(parameters) = parameters {
             // Every torque term of which some joint has a coefficient, in the units of a revolute joint.
             let terms: Vec<Term> = Columns::RIGID.with_terms_of(parameters).terms().collect();
-            let headings: Vec<String> =
-                terms.iter().map(|term| format!("{} {}", term.entry().name, term.unit(JointKind::Revolute))).collect();
-            let mut columns = vec![("link", Align::Left), ("m kg", Align::Right), ("centre of mass m", Align::Left)];
-            columns.extend(headings.iter().map(|heading| (heading.as_str(), Align::Right)));
-            let mut table = Table::new(&columns);
+            let unit = |term: &Term| term.unit(JointKind::Revolute);
+            let headings = terms.iter().map(|term| format!(" | #{} {}", term.entry().name, unit(term)));
+            let headings: String = headings.collect();
+            let mut table = Table::of(&format!("link | #m kg | centre of mass m{headings}"));
             for ((joint, link), drive) in robot.joints().iter().zip(&parameters.links).zip(&parameters.drives) {
                 let com = if link.mass > 0.0 { link.first_moment / link.mass } else { link.first_moment };
                 let com: Vec<String> = com.iter().map(|&c| format!("{c:>8.4}")).collect();
@@ -145,7 +144,7 @@ fn describe(loaded: &LoadedRobot) -> Answer {
         }
     }
     if !loaded.remarks.is_empty() {
-        let mut remarks = Table::new(&[("Remarks", Align::Left)]);
+        let mut remarks = Table::of("Remarks");
         for remark in &loaded.remarks {
             remarks.row([remark.as_str()]);
         }

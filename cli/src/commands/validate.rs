@@ -55,7 +55,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         let inputs = [inputs.as_ref(), Some(&now)];
         (validate(&estimates, name, &log, inputs, limit, &watch)?, log)
     };
-    let text = answer.verdicts.iter().map(|verdict| verdict_text(verdict, &log, console.verbose())).collect();
+    let text = answer.verdicts.iter().map(|verdict| verdict_text(verdict, &log, console.global.verbose)).collect();
     console.answer(&Answer { text, json: serde_json::to_value(&answer).map_err(Error::new)? })?;
     Ok(if answer.passed() { Ending::Done } else { Ending::Negative })
 }

@@ -12,7 +12,8 @@ use super::{Answer, Destination, GlobalArguments, Writes};
 /// Where answers and messages go.
 #[derive(Debug)]
 pub(crate) struct Console {
-    global: GlobalArguments,
+    /// What was asked of every command.
+    pub(crate) global: GlobalArguments,
     destination: Option<Destination>,
     terminal: bool,
 }
@@ -27,15 +28,6 @@ impl Console {
         let path = self.global.output.as_deref();
         let destination = path.map(|path| writes.destination(path, self.global.json)).transpose()?;
         Ok(Self { global: self.global.clone(), destination, terminal: self.terminal })
-    }
-
-    /// Does a program read standard output?
-    pub(crate) fn json(&self) -> bool {
-        self.global.json
-    }
-
-    pub(crate) fn verbose(&self) -> bool {
-        self.global.verbose
     }
 
     /// The file or folder that `-o` names, links followed.
@@ -87,11 +79,11 @@ impl Console {
     /// where the name ends in `.json`, and `-o -` is that; `--json` puts JSON on standard output in either case.
     pub(crate) fn answer(&self, answer: &Answer) -> Result<()> {
         if let Some(path) = self.output() {
-            let as_json = self.json() || path.extension().is_some_and(|extension| extension == "json");
+            let as_json = self.global.json || path.extension().is_some_and(|extension| extension == "json");
             let text = if as_json { pretty(&answer.json) } else { answer.text.clone() };
             output::write_text(path, &text)?;
             self.note(format!("wrote {}", path.display()));
-            if !self.json() {
+            if !self.global.json {
                 return Ok(());
             }
         }
@@ -136,7 +128,7 @@ impl Console {
     }
 
     fn print_answer(&self, answer: &Answer) -> Result<()> {
-        if self.json() { self.print(&pretty(&answer.json)) } else { self.print(&answer.text) }
+        if self.global.json { self.print(&pretty(&answer.json)) } else { self.print(&answer.text) }
     }
 
     /// Prints a text as it is. A reader that ends early (`armid … | head`) is not an error.

@@ -17,5 +17,5 @@ pub(crate) use destination::{Destination, Writes, report_folder};
 pub(crate) use flags::Flags;
 pub(crate) use global_arguments::GlobalArguments;
 pub(crate) use reporter::install_reporter;
-pub(crate) use table::{Align, Table};
+pub(crate) use table::Table;
 pub(crate) use watch::{Watch, bar};

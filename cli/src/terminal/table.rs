@@ -1,33 +1,20 @@
 //! Tables of text for a person.
 
-/// How the cells of a column stand.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Align {
-    Left,
-    Right,
-}
-
 /// A table that is printed with two spaces between its columns.
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
-    align: Vec<Align>,
+    /// Whether the cells of each column stand to the right.
+    is_right: Vec<bool>,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// A table with these headings.
-    pub(crate) fn new(columns: &[(&str, Align)]) -> Self {
-        let headings = columns.iter().map(|(heading, _)| (*heading).to_owned()).collect();
-        Self { align: columns.iter().map(|(_, align)| *align).collect(), rows: vec![headings] }
-    }
-
     /// A table by its headings, between bars: `#` begins that of a column that stands to the right.
     pub(crate) fn of(headings: &str) -> Self {
-        let columns: Vec<(&str, Align)> = headings
-            .split(" | ")
-            .map(|heading| heading.strip_prefix('#').map_or((heading, Align::Left), |heading| (heading, Align::Right)))
-            .collect();
-        Self::new(&columns)
+        let columns = headings.split(" | ");
+        let is_right = columns.clone().map(|heading| heading.starts_with('#')).collect();
+        let headings = columns.map(|heading| heading.strip_prefix('#').unwrap_or(heading).to_owned());
+        Self { is_right, rows: vec![headings.collect()] }
     }
 
     /// Adds a row.
@@ -38,7 +25,7 @@ impl Table {
     /// The text, each line indented and ended. The last column is broken between words so that no line is longer than
     /// 100 characters.
     pub(crate) fn render(&self, indent: usize) -> String {
-        let columns = self.align.len();
+        let columns = self.is_right.len();
         let widths: Vec<usize> = (0..columns)
             .map(|c| self.rows.iter().map(|row| row.get(c).map_or(0, |cell| width(cell))).max().unwrap_or(0))
             .collect();
@@ -49,7 +36,7 @@ impl Table {
             let mut line = " ".repeat(indent);
             for (c, cell) in row.iter().enumerate() {
                 let padding = widths[c].saturating_sub(width(cell));
-                if c + 1 == columns && self.align[c] == Align::Left {
+                if c + 1 == columns && !self.is_right[c] {
                     for (k, part) in broken(cell, room).iter().enumerate() {
                         if k > 0 {
                             text.push_str(line.trim_end());
@@ -58,7 +45,7 @@ impl Table {
                         }
                         line.push_str(part);
                     }
-                } else if self.align[c] == Align::Left {
+                } else if !self.is_right[c] {
                     line.push_str(cell);
                     line.push_str(&" ".repeat(padding + 2));
                 } else {
@@ -97,11 +84,11 @@ fn broken(text: &str, room: usize) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Align, Table};
+    use super::Table;
 
     #[test]
     fn columns_stand_under_each_other_and_long_cells_are_broken() {
-        let mut table = Table::new(&[("name", Align::Left), ("value", Align::Right), ("what", Align::Left)]);
+        let mut table = Table::of("name | #value | what");
         table.row(["q̇1", "1.5", "rad/s"]);
         table.row(["m", "-10", &"word ".repeat(30)]);
         let text = table.render(2);

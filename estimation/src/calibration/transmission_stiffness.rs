@@ -244,8 +244,8 @@ impl Motor {
         let noise = self.noise(&unanswered, z.ncols());
         let variance = first.sandwich(&(z.transpose() * noise.apply(&z)))[(0, 0)];
         let f = first.solution()[0].powi(2) / variance.max(f64::MIN_POSITIVE);
-        let p_value = f_tail(f, 1.0, noise.degrees_of_freedom());
-        (answer.f, answer.p_value, answer.freedom) = (Some(f), Some(p_value), noise.degrees_of_freedom());
+        let p_value = f_tail(f, 1.0, noise.degrees_of_freedom);
+        (answer.f, answer.p_value, answer.freedom) = (Some(f), Some(p_value), noise.degrees_of_freedom);
         answer.wind_up_noise = self.rms(&unanswered);
         answer.verdict = StiffnessVerdict::Hidden;
         if f < WEAK || p_value > LEVEL / robot.dof() as f64 {
@@ -258,14 +258,14 @@ impl Motor {
         let covariance = second.sandwich(&(x.transpose() * noise.apply(&x)));
         let measured = |at: usize| {
             let std = covariance[(at, at)].max(0.0).sqrt();
-            Measured::new(second.solution()[at], std, noise.degrees_of_freedom())
+            Measured::new(second.solution()[at], std, noise.degrees_of_freedom)
         };
         let stiffness = measured(0);
         // An answer of the wrong sign, or one that could be any, is none.
-        if stiffness.value > student_quantile(0.975, noise.degrees_of_freedom()) * stiffness.std {
+        if stiffness.value > student_quantile(0.975, noise.degrees_of_freedom) * stiffness.std {
             answer.verdict = StiffnessVerdict::Decided;
             (answer.stiffness, answer.rotor) = (Some(stiffness), Some(measured(1)));
-            (answer.residual_rms, answer.freedom) = (Some(self.rms(&residual)), noise.degrees_of_freedom());
+            (answer.residual_rms, answer.freedom) = (Some(self.rms(&residual)), noise.degrees_of_freedom);
         }
         Ok(answer)
     }

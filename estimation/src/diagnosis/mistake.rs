@@ -1,56 +1,78 @@
 //! Mistakes that logs are made with, and what to correct.
 
-use std::fmt;
-
 use crate::remedy::{Remedy, Setting};
 
 /// A mistake in a log or about the robot. Joints are counted from one.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, thiserror::Error)]
 #[serde(tag = "mistake", rename_all = "kebab-case")]
 #[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum Mistake {
     /// Positions are in degrees, and were read as radians.
+    #[error("the positions look like degrees, and are read as radians")]
     Degrees,
     /// Positions are in radians, and were read as degrees.
+    #[error("the positions look like radians, and are read as degrees")]
     Radians,
     /// Positions are those of the motors.
+    #[error("the positions look like those of the motors, and are read as those of the joints")]
     MotorAngles,
     /// Positions are in another unit, or those of motors whose gears the robot file does not know: the true ones are `factor` times those in
     /// the log.
+    #[error("the positions of all joints look {:.4} times too large", factor.recip())]
     PositionUnit { factor: f64 },
     /// Torques are those of the motors.
+    #[error("the torques look like those of the motors, and are read as those of the joints")]
     MotorTorques,
     /// Efforts are in another unit: the true ones are `factor` times those in the log.
+    #[error("the efforts are beyond the limits of the joints; times {factor} they are not")]
     EffortUnit { factor: f64 },
     /// All efforts count the other way; `slope` is the median over the joints of measured torque over that of the robot file, `None` where
     /// friction alone shows it.
+    #[error("all torques are reversed: {}", reversed(*slope))]
     EffortsReversed { slope: Option<f64> },
     /// All efforts are too small to be torques of the joints: currents, or torques of the motors. `times` are the least and largest torque of
     /// the robot file over measured effort.
+    #[error(
+        "these look like currents, or torques at the motor: the robot file's torque is {:.0} to {:.0} times as large", times[0], times[1]
+    )]
     EffortsSmall { times: [f64; 2] },
     /// Gravity does not act along the axis that the robot file says, but in this direction of the base frame.
+    #[error(
+        "gravity seems to act along [{}, {}, {}] of the base, not as in the robot file", direction[0], direction[1], direction[2]
+    )]
     Gravity { direction: [i8; 3] },
     /// The sign of a position is reversed.
+    #[error("the position of joint {joint} seems to count the other way")]
     PositionSign { joint: usize },
     /// The sign of an effort is reversed.
+    #[error("the effort of joint {joint} seems to count the other way")]
     EffortSign { joint: usize },
     /// The sign of either the position or the effort of a joint is reversed; the data do not show which.
+    #[error("position and effort of joint {joint} seem to count in opposite ways")]
     EitherSign { joint: usize },
     /// The positions of two joints are exchanged.
+    #[error("the positions of joints {} and {} seem to be exchanged", joints[0], joints[1])]
     PositionsSwapped { joints: [usize; 2] },
     /// The efforts of two joints are exchanged.
+    #[error("the efforts of joints {} and {} seem to be exchanged", joints[0], joints[1])]
     EffortsSwapped { joints: [usize; 2] },
     /// Two joints are exchanged, positions and efforts.
+    #[error("joints {} and {} seem to be exchanged", joints[0], joints[1])]
     JointsSwapped { joints: [usize; 2] },
     /// A position is too large by a factor: a wrong gear ratio. The true one is `factor` times that in the log.
+    #[error("the positions of joint {joint} seem to be {:.4} times the true ones", factor.recip())]
     PositionScale { joint: usize, factor: f64 },
     /// An effort is too large by a factor: a wrong gear ratio or torque constant. The true one is `factor` times that in the log.
+    #[error("the efforts of joint {joint} seem to be {:.4} times the true ones", factor.recip())]
     EffortScale { joint: usize, factor: f64 },
     /// A joint's zero is another: so many degrees are to be added to its position.
+    #[error("the zero of joint {joint} seems to be off by {degrees}°")]
     ZeroOffset { joint: usize, degrees: f64 },
     /// The effort of a joint that moves is one number throughout.
+    #[error("the effort of joint {joint} is one number throughout, although the joint moves")]
     NoEffort { joint: usize },
     /// A joint stands still.
+    #[error("joint {joint} is at rest")]
     AtRest { joint: usize },
 }
 
@@ -121,64 +143,10 @@ impl Mistake {
     }
 }
 
-impl fmt::Display for Mistake {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Degrees => write!(f, "the positions look like degrees, and are read as radians"),
-            Self::Radians => write!(f, "the positions look like radians, and are read as degrees"),
-            Self::PositionUnit { factor } => {
-                write!(f, "the positions of all joints look {:.4} times too large", factor.recip())
-            }
-            Self::MotorAngles => {
-                write!(f, "the positions look like those of the motors, and are read as those of the joints")
-            }
-            Self::MotorTorques => {
-                write!(f, "the torques look like those of the motors, and are read as those of the joints")
-            }
-            Self::EffortUnit { factor } => {
-                write!(f, "the efforts are beyond the limits of the joints; times {factor} they are not")
-            }
-            Self::EffortsReversed { slope: Some(slope) } => {
-                write!(
-                    f,
-                    "all torques are reversed: the measured torque is about {slope:.2} times that of the robot file"
-                )
-            }
-            Self::EffortsReversed { slope: None } => {
-                write!(f, "all torques are reversed: friction would be negative at nearly every joint")
-            }
-            Self::EffortsSmall { times: [least, most] } => write!(
-                f,
-                "these look like currents, or torques at the motor: the robot file's torque is {least:.0} to {most:.0} times as large"
-            ),
-            Self::Gravity { direction: [x, y, z] } => {
-                write!(f, "gravity seems to act along [{x}, {y}, {z}] of the base, not as in the robot file")
-            }
-            Self::PositionSign { joint } => write!(f, "the position of joint {joint} seems to count the other way"),
-            Self::EffortSign { joint } => write!(f, "the effort of joint {joint} seems to count the other way"),
-            Self::EitherSign { joint } => {
-                write!(f, "position and effort of joint {joint} seem to count in opposite ways")
-            }
-            Self::PositionsSwapped { joints: [a, b] } => {
-                write!(f, "the positions of joints {a} and {b} seem to be exchanged")
-            }
-            Self::EffortsSwapped { joints: [a, b] } => {
-                write!(f, "the efforts of joints {a} and {b} seem to be exchanged")
-            }
-            Self::JointsSwapped { joints: [a, b] } => write!(f, "joints {a} and {b} seem to be exchanged"),
-            Self::PositionScale { joint, factor } => {
-                write!(f, "the positions of joint {joint} seem to be {:.4} times the true ones", factor.recip())
-            }
-            Self::EffortScale { joint, factor } => {
-                write!(f, "the efforts of joint {joint} seem to be {:.4} times the true ones", factor.recip())
-            }
-            Self::ZeroOffset { joint, degrees } => {
-                write!(f, "the zero of joint {joint} seems to be off by {degrees}°")
-            }
-            Self::NoEffort { joint } => {
-                write!(f, "the effort of joint {joint} is one number throughout, although the joint moves")
-            }
-            Self::AtRest { joint } => write!(f, "joint {joint} is at rest"),
-        }
+/// What shows that they are.
+fn reversed(slope: Option<f64>) -> String {
+    match slope {
+        Some(slope) => format!("the measured torque is about {slope:.2} times that of the robot file"),
+        None => "friction would be negative at nearly every joint".to_owned(),
     }
 }

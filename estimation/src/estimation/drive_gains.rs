@@ -115,21 +115,16 @@ pub fn drive_gains(
     method: GainMethod,
 ) -> Result<DriveGains, EstimationError> {
     let logs = TwoLogs::of(without, with, load)?;
-    let alike = vec![1.0; without.dof];
-    let plain = logs.linear(&alike)?;
+    let direct = |x: &DVector<f64>| Ok(logs.result(method, x.clone(), Termination::Direct, None));
+    let plain = logs.linear(&vec![1.0; without.dof])?;
     if method == GainMethod::LeastSquares {
-        return Ok(logs.result(method, plain.x, Termination::Direct, None));
+        return direct(plain.solution());
     }
-    let weights: Vec<f64> = logs.rms(&plain.x).iter().map(|rms| 1.0 / rms.max(f64::MIN_POSITIVE)).collect();
+    let weights: Vec<f64> = logs.rms(plain.solution()).iter().map(|rms| 1.0 / rms.max(f64::MIN_POSITIVE)).collect();
     let weighted = logs.linear(&weights)?;
     match method {
-        GainMethod::LeastSquares | GainMethod::Weighted => {
-            Ok(logs.result(method, weighted.x, Termination::Direct, None))
-        }
-        GainMethod::Ridge => {
-            let shrunk = logs.shrunk(&weighted, &weights)?;
-            Ok(logs.result(method, shrunk.beta, Termination::Direct, None))
-        }
+        GainMethod::LeastSquares | GainMethod::Weighted => direct(weighted.solution()),
+        GainMethod::Ridge => direct(&logs.shrunk(&weighted, &weights)?.beta),
         GainMethod::Total => logs.total(&weighted, &weights),
     }
 }
@@ -191,12 +186,6 @@ struct TwoLogs<'a> {
     known: [DVector<f64>; 2],
 }
 
-/// A solution, and `(WᵀPW)⁻¹` of its equations.
-struct Solved {
-    x: DVector<f64>,
-    inverse: DMatrix<f64>,
-}
-
 impl<'a> TwoLogs<'a> {
     fn of(without: &'a Observation, with: &'a Observation, load: &Inertia) -> Result<Self, EstimationError> {
         if without.robot != with.robot {
@@ -237,10 +226,8 @@ impl<'a> TwoLogs<'a> {
         })
     }
 
-    fn linear(&self, weights: &[f64]) -> Result<Solved, EstimationError> {
-        let parts = [0, 1].map(|log| (self.rows(log, weights), weighted(&self.known[log], weights)));
-        let fit = self.solve(&parts)?;
-        Ok(Solved { x: fit.solution().clone(), inverse: fit.inverse_information() })
+    fn linear(&self, weights: &[f64]) -> Result<LeastSquares, EstimationError> {
+        self.solve(&[0, 1].map(|log| (self.rows(log, weights), weighted(&self.known[log], weights))))
     }
 
     fn solve(&self, parts: &[(DMatrix<f64>, DVector<f64>); 2]) -> Result<LeastSquares, EstimationError> {
@@ -284,16 +271,10 @@ impl<'a> TwoLogs<'a> {
     }
 
     /// The penalty of Hoerl, Kennard and Baldwin.
-    fn shrunk(&self, plain: &Solved, weights: &[f64]) -> Result<Shrunk, EstimationError> {
-        let size = plain.x.len();
-        let fit = LeastSquares::from_factors(
-            plain.x.clone(),
-            [plain.inverse.clone(), DMatrix::identity(size, size)],
-            f64::NAN,
-            f64::NAN,
-        )?;
-        let mean = self.rms(&plain.x).iter().zip(weights).map(|(rms, weight)| (rms * weight).powi(2)).sum::<f64>();
-        Shrunk::of(&fit, mean / self.joints() as f64).ok_or(EstimationError::NotDefinite)
+    fn shrunk(&self, plain: &LeastSquares, weights: &[f64]) -> Result<Shrunk, EstimationError> {
+        let rms = self.rms(plain.solution());
+        let sum = rms.iter().zip(weights).map(|(rms, weight)| (rms * weight).powi(2)).sum::<f64>();
+        Shrunk::of(plain, sum / self.joints() as f64).ok_or(EstimationError::NotDefinite)
     }
 
     /// `A⁻¹ Bᵀ C B A⁻¹` with B the weighted columns of each log and C by its residual, and what C is known to.
@@ -303,22 +284,22 @@ impl<'a> TwoLogs<'a> {
         for (log, (columns, residual)) in parts.iter().enumerate() {
             let noise = residual_noise(self.logs[log], residual);
             middle += transpose_product(columns, &noise.apply(columns));
-            freedom = freedom.min(noise.degrees_of_freedom());
+            freedom = freedom.min(noise.degrees_of_freedom);
         }
         (product(&product(inverse, &middle), inverse), freedom)
     }
 
     /// Gauss–Newton on `y = g (w β + ℓ)`, g = 1/κ, from a linear solution.
-    fn total(&self, start: &Solved, weights: &[f64]) -> Result<DriveGains, EstimationError> {
+    fn total(&self, start: &LeastSquares, weights: &[f64]) -> Result<DriveGains, EstimationError> {
         let (n, b) = (self.joints(), self.rank());
-        let mut x = start.x.clone();
+        let mut x = start.solution().clone();
         for i in 0..n {
             x[b + i] = 1.0 / x[b + i];
         }
         // The noise of y is that of κ y over κ.
         let weights: Vec<f64> = (0..n).map(|i| weights[i] / x[b + i].abs()).collect();
-        let (mut inverse, mut last_step) = (start.inverse.clone(), f64::INFINITY);
-        let mut termination = None;
+        let mut inverse = start.inverse_information();
+        let mut termination = Termination::Singular { iterations: 0 };
         for iterations in 1..=ITERATIONS {
             let parts = [0, 1].map(|log| {
                 let (jacobian, error) = self.linearised(log, &x);
@@ -326,21 +307,18 @@ impl<'a> TwoLogs<'a> {
             });
             let fit = self.solve(&parts)?;
             let step = fit.solution();
-            last_step = (0..n).map(|i| (step[b + i] / x[b + i]).abs()).fold(0.0, f64::max);
+            let last_step = (0..n).map(|i| (step[b + i] / x[b + i]).abs()).fold(0.0, f64::max);
             x += step;
             inverse = fit.inverse_information();
-            if last_step.is_nan() || last_step <= AT_REST {
-                termination = Some(Termination::Converged { iterations, last_step });
+            termination = match last_step <= AT_REST {
+                _ if last_step.is_nan() => Termination::Singular { iterations },
+                true => Termination::Converged { iterations, last_step },
+                false => Termination::IterationLimit { iterations, last_step },
+            };
+            if !matches!(termination, Termination::IterationLimit { .. }) {
                 break;
             }
         }
-        let termination = match termination {
-            Some(Termination::Converged { iterations, last_step }) if last_step.is_nan() => {
-                Termination::Singular { iterations }
-            }
-            Some(ended) => ended,
-            None => Termination::IterationLimit { iterations: ITERATIONS, last_step },
-        };
         let squared: Vec<f64> = weights.iter().map(|weight| weight * weight).collect();
         let parts = [0, 1].map(|log| {
             let (jacobian, error) = self.linearised(log, &x);

@@ -1,7 +1,6 @@
 //! Why there is no estimate.
 
 use std::error::Error;
-use std::fmt;
 use std::sync::Arc;
 
 use super::closed_loop::ClosedLoopError;
@@ -69,7 +68,7 @@ pub enum EstimationError {
     NotDefinite,
     /// The estimator needs something that the problem does not hold.
     #[error("estimator \"{estimator}\" needs {part}, and the problem holds none")]
-    Missing { estimator: String, part: ProblemPart },
+    Missing { estimator: String, part: &'static str },
     /// An estimator that simulates the arm in closed loop cannot.
     #[error("estimator \"{estimator}\" simulates the arm in closed loop: {reason}")]
     ClosedLoop { estimator: String, reason: ClosedLoopError },
@@ -98,10 +97,10 @@ pub enum EstimationError {
     LeastSquares(#[from] LeastSquaresError),
 }
 
-/// The error of an estimator from outside. Two are equal if they are the same one.
+/// The error of an estimator from outside, as it returned it. Two are equal if they are the same one.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{0}")]
-pub struct ExternalError(Arc<dyn Error + Send + Sync>);
+pub struct ExternalError(pub Arc<dyn Error + Send + Sync>);
 
 impl PartialEq for ExternalError {
     fn eq(&self, other: &Self) -> bool {
@@ -124,34 +123,5 @@ impl EstimationError {
     /// ```
     pub fn external(error: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
         Self::External(ExternalError(error.into().into()))
-    }
-
-    /// What an estimator from outside returned, for a caller that knows its errors.
-    pub fn as_external(&self) -> Option<&(dyn Error + Send + Sync + 'static)> {
-        match self {
-            Self::External(ExternalError(error)) => Some(&**error),
-            _ => None,
-        }
-    }
-}
-
-/// What a problem may hold beside its equations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ProblemPart {
-    /// The robot.
-    Robot,
-    /// The samples that the equations were made from.
-    Samples,
-    /// A nominal set of parameters.
-    Nominal,
-}
-
-impl fmt::Display for ProblemPart {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Robot => "the robot",
-            Self::Samples => "the samples",
-            Self::Nominal => "a nominal set of parameters",
-        })
     }
 }

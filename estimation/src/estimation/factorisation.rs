@@ -72,10 +72,12 @@ pub enum FactorisedBy {
 pub struct Factorisation<'a> {
     observation: &'a Observation,
     groups: Vec<SampleGroup>,
-    by: FactorisedBy,
+    /// The method that condensed the equations.
+    pub factorised_by: FactorisedBy,
     ordinary: OnceLock<Result<LeastSquares, EstimationError>>,
     discrepancy: OnceLock<Result<Option<Discrepancy>, EstimationError>>,
-    omitted: Option<OmittedTorque>,
+    /// The torque of laws that the model omits, which the intervals of all its estimates include; `None` where it was not looked for.
+    pub(super) omitted: Option<OmittedTorque>,
 }
 
 /// Samples that have the same joints as equations.
@@ -126,8 +128,15 @@ impl<'a> Factorisation<'a> {
         Ok(Self::of(observation, groups, FactorisedBy::Qr))
     }
 
-    const fn of(observation: &'a Observation, groups: Vec<SampleGroup>, by: FactorisedBy) -> Self {
-        Self { observation, groups, by, ordinary: OnceLock::new(), discrepancy: OnceLock::new(), omitted: None }
+    const fn of(observation: &'a Observation, groups: Vec<SampleGroup>, factorised_by: FactorisedBy) -> Self {
+        Self {
+            observation,
+            groups,
+            factorised_by,
+            ordinary: OnceLock::new(),
+            discrepancy: OnceLock::new(),
+            omitted: None,
+        }
     }
 
     /// Of long groups the factor by products, if there are any and rounding does no harm.
@@ -166,8 +175,8 @@ impl<'a> Factorisation<'a> {
             of_residual = f64::max(of_residual, squares / products[(i, i)]);
         }
         let weights = BlockWhitening::new(&weights).ok()?;
-        let by_weights = self.weighted(&weights).ok()?.condition_scaled() * weighted.sqrt();
-        let by_none = ordinary.condition_scaled() * (all / least).sqrt();
+        let by_weights = self.weighted(&weights).ok()?.condition_scaled * weighted.sqrt();
+        let by_none = ordinary.condition_scaled * (all / least).sqrt();
         let of_estimates = (b as f64).sqrt() * by_weights.max(by_none);
         Some(errors * f64::EPSILON * of_estimates.max(of_residual)).filter(|harm| harm.is_finite())
     }
@@ -183,21 +192,6 @@ impl<'a> Factorisation<'a> {
         beta.iter()
             .enumerate()
             .fold(squares(beta.len()).sqrt(), |sum, (j, value)| sum + value.abs() * squares(j).sqrt())
-    }
-
-    /// The method that condensed the equations.
-    pub const fn factorised_by(&self) -> FactorisedBy {
-        self.by
-    }
-
-    /// With the torque of laws that the model omits, which the intervals of all its estimates include.
-    pub(super) fn with_omitted(self, omitted: Option<OmittedTorque>) -> Self {
-        Self { omitted, ..self }
-    }
-
-    /// That torque; `None` where it was not looked for.
-    pub(super) const fn omitted(&self) -> Option<&OmittedTorque> {
-        self.omitted.as_ref()
     }
 
     /// The observation that was factored.

@@ -1,6 +1,4 @@
-//! Findings about an estimate: what limits its use, with the number measured and advice.
-
-use std::fmt;
+//! Findings about an estimate: what limits its use, with the number measured and advice. Their sentences are written as those of errors are.
 
 use super::residual_shape::{Against, probability};
 use super::termination::Termination;
@@ -15,10 +13,11 @@ use crate::number::significant;
 /// assert!(finding.to_string().contains("2 periods"));
 /// assert!(finding.advice().contains("rough"));
 /// ```
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, thiserror::Error)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Finding {
     /// A parameter whose standard deviation is more than a third of its value: its sign is in doubt at three sigma.
+    #[error("{parameter} = {} ± {} {unit} (standard deviation)", three(*value), three(*std))]
     PoorlyDetermined {
         /// Name of the base parameter.
         parameter: String,
@@ -30,11 +29,16 @@ pub enum Finding {
         unit: String,
     },
     /// The condition number of the equations with columns of unit length is large.
+    #[error("the column-normalised condition number is {condition_scaled:.0}")]
     LargeCondition {
         /// The condition number with columns of unit length.
         condition_scaled: f64,
     },
     /// The residual of a joint is much larger than the noise that scattered over periods.
+    #[error(
+        "joint {joint}: the residual, {} {unit} RMS, is {ratio:.1} times that of noise alone ({} {unit})",
+        three(*residual_rms), three(*expected_rms)
+    )]
     ResidualAboveNoise {
         /// Joint, from one.
         joint: usize,
@@ -49,6 +53,11 @@ pub enum Finding {
     },
     /// A joint's own equations leave more torque than noise explains, whatever the parameters of the other joints: at 5 % over
     /// all joints, by an F test against the scatter over periods and one of each group of functions.
+    #[error(
+        "joint {joint}: neither model nor noise explains {} {unit} RMS ({} % of the joint's torque; noise {} {unit}; {}){}",
+        three(*beyond_noise_rms), three(100.0 * beyond_noise_rms / torque_rms), three(*noise_rms), probability(*p_adjusted),
+        most.as_ref().map_or_else(String::new, |most| most.words(unit))
+    )]
     LackOfFit {
         /// Joint, from one.
         joint: usize,
@@ -66,6 +75,10 @@ pub enum Finding {
         unit: String,
     },
     /// The log supports a law that the model omits: at 5 % over all laws, by an F test beside those that it supports more.
+    #[error(
+        "the log shows {}, which the model omits: about {} ({})",
+        effect.replace('-', " "), size_in(*size, unit), probability(*p_adjusted)
+    )]
     EffectShown {
         /// Name of the effect.
         effect: String,
@@ -77,6 +90,7 @@ pub enum Finding {
         p_adjusted: f64,
     },
     /// Neighbouring residuals of a joint are more correlated than the noise.
+    #[error("joint {joint}: neighbouring residuals correlate by {correlation:.2}, the noise by {expected:.2}")]
     ResidualCorrelated {
         /// Joint, from one.
         joint: usize,
@@ -86,15 +100,21 @@ pub enum Finding {
         expected: f64,
     },
     /// Few periods were repeated, so that the noise is poorly known.
+    #[error("{periods} periods are too few to estimate the noise")]
     FewPeriods {
         /// Recorded periods.
         periods: usize,
     },
     /// The log has no noise, as that of a rehearsal, so that nothing can be compared with it.
+    #[error("this log has no noise; findings that compare with noise do not apply")]
     NoNoise,
     /// Nothing was repeated: the noise was taken from the residual, and model errors with it.
+    #[error("the noise is estimated from the residual, so it includes model error")]
     NoiseFromResidual,
     /// Columns that no torque sensor distinguishes from the others were left out of the base.
+    #[error(
+        "{} left out of the base: the columns differ from the others by less than {tolerance:.0e}", parameters.join(", ")
+    )]
     NearlyDependent {
         /// Names of the parameters that structure alone would keep.
         parameters: Vec<String>,
@@ -102,6 +122,9 @@ pub enum Finding {
         tolerance: f64,
     },
     /// The completed standard parameters of a link are physically inconsistent.
+    #[error(
+        "link {link} is physically inconsistent: its pseudo-inertia has the eigenvalue {}", three(*eigenvalue)
+    )]
     InconsistentLink {
         /// Link, from one.
         link: usize,
@@ -109,6 +132,9 @@ pub enum Finding {
         eigenvalue: f64,
     },
     /// Equations of a joint that a robust estimator hardly counts or not at all.
+    #[error(
+        "joint {joint}: {outliers} of {equations} equations are beyond 5 robust standard deviations of {} {unit}", three(*scale)
+    )]
     Outliers {
         /// Joint, from one.
         joint: usize,
@@ -122,6 +148,10 @@ pub enum Finding {
         unit: String,
     },
     /// A base parameter that was left out because the data do not tell it from zero.
+    #[error(
+        "{parameter} is set to zero: its estimate, {} ± {} {unit}, is not significantly different from zero",
+        three(*value), three(*std)
+    )]
     LeftOut {
         /// Its name.
         parameter: String,
@@ -133,8 +163,13 @@ pub enum Finding {
         unit: String,
     },
     /// No noise of positions is known, and an estimator that would use it did without.
+    #[error("the noise of positions is unknown: the motion is assumed exact, as in weighted least squares")]
     MotionTakenAsExact,
     /// Physical consistency, or a prior, holds the estimate away from what the equations alone say.
+    #[error(
+        "the constraint moves the estimate away from the data: χ² = {}, and noise alone stays below {} (95 %)",
+        three(*chi_squared), three(*limit)
+    )]
     HeldBack {
         /// The distance from the unconstrained estimate, `(β̂ − β)ᵀ C⁻¹ (β̂ − β)`.
         chi_squared: f64,
@@ -142,11 +177,16 @@ pub enum Finding {
         limit: f64,
     },
     /// The nominal body of a link reaches beyond the link's shape, which then bounds nothing.
+    #[error("the nominal body of link {link} reaches beyond its shape, which does not bound the estimate")]
     BeyondShape {
         /// Link, from one.
         link: usize,
     },
     /// Whether errors of the measured motion bias weighted least squares.
+    #[error(
+        "Durbin–Wu–Hausman: {statistic:.1} of {freedom} degrees of freedom, 95 % limit {limit:.1}: {}",
+        of_motion(statistic > limit, *largest_change)
+    )]
     DurbinWuHausman {
         /// What was measured of them.
         statistic: f64,
@@ -159,6 +199,10 @@ pub enum Finding {
         largest_change: Option<f64>,
     },
     /// Combinations of parameters that the motion of a closed loop does not show.
+    #[error(
+        "positions alone do not determine {combinations} combinations of {} under this servo{}", parameters.join(", "),
+        if *nominal { "; they keep nominal values, because an arm with those of `wls` cannot be simulated" } else { "" }
+    )]
     HiddenFromPositions {
         /// How many.
         combinations: usize,
@@ -168,6 +212,9 @@ pub enum Finding {
         nominal: bool,
     },
     /// The search began by multiple shooting, since the motion of weighted least squares, or of the nominal set, runs away.
+    #[error(
+        "the search began by multiple shooting over {intervals} intervals, whose gaps it closed to {gap:.0e} of the motion"
+    )]
     MultipleShooting {
         /// Intervals of the motion.
         intervals: usize,
@@ -175,11 +222,13 @@ pub enum Finding {
         gap: f64,
     },
     /// The iteration did not come to its result: the values are those of its last step.
+    #[error("the search {termination}")]
     Unfinished {
         /// How it ended.
         termination: Termination,
     },
     /// A drive parameter that cannot be negative is.
+    #[error("{parameter} = {} is negative", three(*value))]
     NegativeDrive {
         /// Its name.
         parameter: String,
@@ -187,6 +236,11 @@ pub enum Finding {
         value: f64,
     },
     /// Coefficients that no arm has: errors of the model, whose intervals are withheld.
+    #[error(
+        "{} below zero by more than 3 standard deviations, which no arm has: the model is wrong there, and their intervals \
+         are withheld",
+        parameters.join(", ")
+    )]
     Impossible {
         /// Names of the base parameters.
         parameters: Vec<String>,
@@ -287,136 +341,25 @@ impl Finding {
     }
 }
 
-impl fmt::Display for Finding {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::PoorlyDetermined { parameter, value, std, unit } => {
-                write!(f, "{parameter} = {} ± {} {unit} (standard deviation)", three(*value), three(*std))
-            }
-            Self::LargeCondition { condition_scaled } => {
-                write!(f, "the column-normalised condition number is {condition_scaled:.0}")
-            }
-            Self::ResidualAboveNoise { joint, residual_rms, expected_rms, ratio, unit } => write!(
-                f,
-                "joint {joint}: the residual, {} {unit} RMS, is {ratio:.1} times that of noise alone ({} {unit})",
-                three(*residual_rms),
-                three(*expected_rms)
-            ),
-            Self::LackOfFit { joint, beyond_noise_rms, noise_rms, torque_rms, p_adjusted, most, unit } => {
-                write!(
-                    f,
-                    "joint {joint}: neither model nor noise explains {} {unit} RMS ({} % of the joint's torque; noise {} \
-                     {unit}; {})",
-                    three(*beyond_noise_rms),
-                    three(100.0 * beyond_noise_rms / torque_rms),
-                    three(*noise_rms),
-                    probability(*p_adjusted)
-                )?;
-                let Some(MisfitPart { against, range: [from, to], range_unit, rms }) = most else { return Ok(()) };
-                let variable = against.name();
-                let rms = three(*rms);
-                write!(f, "; largest at a {variable} of {from:.3} to {to:.3} {range_unit}: {rms} {unit}")
-            }
-            Self::EffectShown { effect, size, unit, p_adjusted } => {
-                let (size, unit) = if unit.is_empty() { (100.0 * size, "%") } else { (*size, unit.as_str()) };
-                let (effect, size) = (effect.replace('-', " "), three(size));
-                write!(
-                    f,
-                    "the log shows {effect}, which the model omits: about {size} {unit} ({})",
-                    probability(*p_adjusted)
-                )
-            }
-            Self::ResidualCorrelated { joint, correlation, expected } => write!(
-                f,
-                "joint {joint}: neighbouring residuals correlate by {correlation:.2}, the noise by {expected:.2}"
-            ),
-            Self::FewPeriods { periods } => write!(f, "{periods} periods are too few to estimate the noise"),
-            Self::NoNoise => write!(f, "this log has no noise; findings that compare with noise do not apply"),
-            Self::NoiseFromResidual => {
-                write!(f, "the noise is estimated from the residual, so it includes model error")
-            }
-            Self::NearlyDependent { parameters, tolerance } => write!(
-                f,
-                "{} left out of the base: the columns differ from the others by less than {tolerance:.0e}",
-                parameters.join(", ")
-            ),
-            Self::InconsistentLink { link, eigenvalue } => {
-                write!(
-                    f,
-                    "link {link} is physically inconsistent: its pseudo-inertia has the eigenvalue {}",
-                    three(*eigenvalue)
-                )
-            }
-            Self::Outliers { joint, outliers, equations, scale, unit } => write!(
-                f,
-                "joint {joint}: {outliers} of {equations} equations are beyond 5 robust standard deviations of {} {unit}",
-                three(*scale)
-            ),
-            Self::LeftOut { parameter, value, std, unit } => {
-                write!(
-                    f,
-                    "{parameter} is set to zero: its estimate, {} ± {} {unit}, is not significantly different from zero",
-                    three(*value),
-                    three(*std)
-                )
-            }
-            Self::MotionTakenAsExact => {
-                write!(
-                    f,
-                    "the noise of positions is unknown: the motion is assumed exact, as in weighted least squares"
-                )
-            }
-            Self::HeldBack { chi_squared, limit } => write!(
-                f,
-                "the constraint moves the estimate away from the data: χ² = {}, and noise alone stays below {} (95 %)",
-                three(*chi_squared),
-                three(*limit)
-            ),
-            Self::BeyondShape { link } => {
-                write!(f, "the nominal body of link {link} reaches beyond its shape, which does not bound the estimate")
-            }
-            Self::DurbinWuHausman { statistic, limit, freedom, largest_change } => {
-                write!(
-                    f,
-                    "Durbin–Wu–Hausman: {statistic:.1} of {freedom} degrees of freedom, 95 % limit {limit:.1}: {} weighted least \
-                     squares",
-                    if statistic > limit {
-                        "errors of the motion bias"
-                    } else {
-                        "errors of the motion do not detectably bias"
-                    }
-                )?;
-                match largest_change {
-                    Some(change) => {
-                        write!(f, "; instruments move no parameter by more than {change:.2} standard deviations")
-                    }
-                    None => Ok(()),
-                }
-            }
-            Self::HiddenFromPositions { combinations, parameters, nominal } => write!(
-                f,
-                "positions alone do not determine {combinations} combinations of {} under this servo{}",
-                parameters.join(", "),
-                if *nominal {
-                    "; they keep nominal values, because an arm with those of `wls` cannot be simulated"
-                } else {
-                    ""
-                }
-            ),
-            Self::Unfinished { termination } => write!(f, "the search {termination}"),
-            Self::MultipleShooting { intervals, gap } => write!(
-                f,
-                "the search began by multiple shooting over {intervals} intervals, whose gaps it closed to {gap:.0e} of the motion"
-            ),
-            Self::Impossible { parameters } => write!(
-                f,
-                "{} below zero by more than 3 standard deviations, which no arm has: the model is wrong there, and their \
-                 intervals are withheld",
-                parameters.join(", ")
-            ),
-            Self::NegativeDrive { parameter, value } => write!(f, "{parameter} = {} is negative", three(*value)),
-        }
+impl MisfitPart {
+    /// Where it is; `unit` is that of the finding.
+    fn words(&self, unit: &str) -> String {
+        let Self { against, range: [from, to], range_unit, rms } = self;
+        let (variable, rms) = (against.name(), three(*rms));
+        format!("; largest at a {variable} of {from:.3} to {to:.3} {range_unit}: {rms} {unit}")
     }
+}
+
+/// A size in its unit, or a share in per cent.
+fn size_in(size: f64, unit: &str) -> String {
+    if unit.is_empty() { format!("{} %", three(100.0 * size)) } else { format!("{} {unit}", three(size)) }
+}
+
+/// What errors of the motion do to weighted least squares.
+fn of_motion(is_biased: bool, largest_change: Option<f64>) -> String {
+    let what = if is_biased { "bias" } else { "do not detectably bias" };
+    let moved = |change| format!("; instruments move no parameter by more than {change:.2} standard deviations");
+    format!("errors of the motion {what} weighted least squares{}", largest_change.map_or_else(String::new, moved))
 }
 
 /// With three significant digits.

@@ -160,10 +160,7 @@ impl FrictionSpeeds {
                 }
                 let count = begun.linear.equations().max(1) as f64;
                 let weighted_rms = [search.misfit(&stated)?, search.misfit(&speeds)?].map(|rho| (rho / count).sqrt());
-                let held_out = match sought.contains(&true) {
-                    true => change_between(&begun.linear, &next.linear)?,
-                    false => None,
-                };
+                let held_out = if sought.contains(&true) { change_between(&begun.linear, &next.linear)? } else { None };
                 let joint = |(i, value): (usize, &Option<[Measured; 2]>)| FrictionSpeed {
                     joint: joints[i] + 1,
                     stated: stated[i],
@@ -189,15 +186,10 @@ struct Equations {
 impl Equations {
     fn of(robot: &Robot, columns: Columns, base: &BaseReduction, samples: &Samples) -> Result<Self, EstimationError> {
         // Far from the speeds of the arm the load need not come to rest any closer.
-        let linear = load_fit::observe_to(
-            robot,
-            &load_friction::regressor_of(robot, columns)?,
-            base,
-            samples,
-            load_fit::REST_OF_TESTS,
-        )?;
+        let regressor = load_friction::regressor_of(robot, columns)?;
+        let linear = load_fit::observe_to(robot, &regressor, base, samples, load_fit::REST_OF_TESTS)?;
         let at_load = match linear.linear_at {
-            Some(_) => Observation::of_any_length(robot, &linear.joint_regressor(robot), base, samples, None)?,
+            Some(_) => Observation::stacked(robot, &linear.joint_regressor(robot), base, samples, None)?.0,
             None => linear.clone(),
         };
         Ok(Self { linear, at_load })

@@ -79,11 +79,15 @@ fn without_noise_that_is_not(mut estimate: Estimate, samples: &Samples) -> Estim
 pub struct Identification {
     robot: Robot,
     nominal: Option<StandardParameters>,
-    start: Option<StandardParameters>,
-    closed_loop: Result<Arc<dyn ClosedLoop>, ClosedLoopError>,
+    /// The parameters that estimators which simulate the arm begin with, in place of the weighted linear fit.
+    pub start: Option<StandardParameters>,
+    /// The closed loop in which the samples were recorded, or what is not known of it, for estimators that simulate.
+    pub closed_loop: Result<Arc<dyn ClosedLoop>, ClosedLoopError>,
     regressor: JointTorqueRegressor,
     base: BaseReduction,
-    tests_laws: bool,
+    /// Tests the laws that drives have and the model omits: friction of the load, current lag, elasticity and presliding. Intervals include
+    /// what the log cannot exclude of them, and a [`Finding::EffectShown`] names each that it supports.
+    pub tests_laws: bool,
 }
 
 impl Identification {
@@ -146,29 +150,10 @@ impl Identification {
         }
     }
 
-    /// Adds tests of the laws that drives have and the model omits: friction of the load, current lag, elasticity and presliding. Intervals include
-    /// what the log cannot exclude of them, and a [`Finding::EffectShown`] names each that it supports.
-    #[must_use]
-    pub fn with_omitted_laws(self) -> Self {
-        Self { tests_laws: true, ..self }
-    }
-
-    /// Adds the closed loop in which the samples were recorded, or what is not known of it, for estimators that simulate.
-    #[must_use]
-    pub fn with_closed_loop(self, closed_loop: Result<Arc<dyn ClosedLoop>, ClosedLoopError>) -> Self {
-        Self { closed_loop, ..self }
-    }
-
     /// Adds a nominal set. Estimates then carry a full set of standard parameters, see [`super::complete`].
     #[must_use]
     pub fn with_nominal(self, nominal: &StandardParameters) -> Self {
         Self { nominal: Some(nominal.clone()), ..self }
-    }
-
-    /// Sets the parameters from which estimators that simulate the arm begin, instead of the weighted linear fit.
-    #[must_use]
-    pub fn with_start(self, start: &StandardParameters) -> Self {
-        Self { start: Some(start.clone()), ..self }
     }
 
     /// The base parameters.
@@ -185,27 +170,15 @@ impl Identification {
     /// # Errors
     /// [`EstimationError`] where the samples are of another robot or the equations have no answer.
     pub fn estimate(&self, samples: &Samples, estimator: &dyn Estimator) -> Result<Estimate, EstimationError> {
-        let mut estimates = self.estimate_by(samples, &[estimator])?;
+        let mut estimates = self.estimate_watched(samples, &[estimator], &Unobserved)?;
         Ok(estimates.swap_remove(0))
     }
 
-    /// Estimates them by several estimators, which share one factorisation of the equations.
+    /// Estimates them by several estimators, which share one factorisation of the equations, and reports to an observer. It may end estimators
+    /// that iterate: the estimate is then the last iterate. One that simulates and was ended before its first iterate is the weighted linear fit, from which it begins.
     ///
     /// # Errors
     /// [`EstimationError`] of the first estimator that has no answer.
-    pub fn estimate_by(
-        &self,
-        samples: &Samples,
-        estimators: &[&dyn Estimator],
-    ) -> Result<Vec<Estimate>, EstimationError> {
-        self.estimate_watched(samples, estimators, &Unobserved)
-    }
-
-    /// Estimates them by several estimators and reports to an observer, which may end estimators that iterate: the estimate is then the last iterate. One that
-    /// simulates and was ended before its first iterate is the weighted linear fit, from which it begins.
-    ///
-    /// # Errors
-    /// As [`Self::estimate_by`].
     pub fn estimate_watched(
         &self,
         samples: &Samples,
@@ -213,11 +186,12 @@ impl Identification {
         observer: &dyn Observer,
     ) -> Result<Vec<Estimate>, EstimationError> {
         let observation = self.observation(samples)?;
-        let equations = Factorisation::new(&observation)?;
-        let omitted = if self.tests_laws { omitted_torque(&self.robot, &equations, samples)? } else { None };
-        let equations = equations.with_omitted(omitted);
-        let problem = self.problem(&observation, samples).with_factorisation(&equations);
-        let problem = EstimationProblem { observer, ..problem };
+        let mut equations = Factorisation::new(&observation)?;
+        if self.tests_laws {
+            equations.omitted = omitted_torque(&self.robot, &equations, samples)?;
+        }
+        let problem = self.problem(&observation, samples);
+        let problem = EstimationProblem { factorisation: Some(&equations), observer, ..problem };
         let estimated = |estimator: &&dyn Estimator| {
             let found = match estimator.estimate(&problem) {
                 Err(EstimationError::Interrupted) => {
@@ -276,18 +250,24 @@ impl Identification {
             links[column] += value;
         }
         let regressor = self.regressor.with_links(&links[..10 * self.robot.dof()]);
-        Observation::of_any_length(&self.robot, &regressor, &self.base, samples, None)
+        Ok(Observation::stacked(&self.robot, &regressor, &self.base, samples, None)?.0)
     }
 
     /// Equations that are only predicted, linearised where those of the fit are.
     pub(super) fn unseen(&self, samples: &Samples, fitted: &Observation) -> Result<Observation, EstimationError> {
-        Observation::of_any_length(&self.robot, &self.regressor, &self.base, samples, fitted.linear_at.as_ref())
+        let at = fitted.linear_at.as_ref();
+        Ok(Observation::stacked(&self.robot, &self.regressor, &self.base, samples, at)?.0)
     }
 
     pub(super) fn problem<'b>(&'b self, observation: &'b Observation, samples: &'b Samples) -> EstimationProblem<'b> {
-        let problem = EstimationProblem::new(observation).with_robot(&self.robot).with_samples(samples);
-        let closed_loop = self.closed_loop.as_deref();
-        EstimationProblem { nominal: self.nominal.as_ref(), start: self.start.as_ref(), closed_loop, ..problem }
+        EstimationProblem {
+            robot: Some(&self.robot),
+            samples: Some(samples),
+            nominal: self.nominal.as_ref(),
+            start: self.start.as_ref(),
+            closed_loop: self.closed_loop.as_deref(),
+            ..EstimationProblem::new(observation)
+        }
     }
 
     /// Compares what an estimate predicts with samples that it was not made from.

@@ -107,14 +107,14 @@ impl Inference<'_> {
         let equations = self.problem.factorised()?;
         let residual_rms = ResidualScale::of(observation).rms(&equations.residual_products(beta));
         let (noise, mut covariance) = self.covariance(&equations, self.noise)?;
-        let (mut freedom, mut interval_basis) = (self.noise.degrees_of_freedom(), self.basis);
+        let (mut freedom, mut interval_basis) = (self.noise.degrees_of_freedom, self.basis);
         let (mut beyond, mut found) = (Vec::new(), None);
         if self.basis == IntervalBasis::Scatter {
             let expected = ExpectedResidual::new(self.problem, self.fit, self.instruments, &noise, &covariance)?;
             // What omitted laws explain is in their part of the covariance.
             let mut left = observation.residual(beta);
             let mut left_rms = residual_rms.clone();
-            if let Some(omitted) = equations.omitted() {
+            if let Some(omitted) = &equations.omitted {
                 left -= omitted.left(observation, self.fit, self.instruments)?;
                 left_rms = joint_rms(left.as_slice(), &observation.used, observation.dof);
             }
@@ -123,7 +123,7 @@ impl Inference<'_> {
             if !misfit.is_empty() {
                 let seen = residual_noise(observation, &left);
                 covariance = self.covariance(&equations, &seen)?.1;
-                (freedom, interval_basis) = (seen.degrees_of_freedom(), IntervalBasis::Residual);
+                (freedom, interval_basis) = (seen.degrees_of_freedom, IntervalBasis::Residual);
             }
             if let Some(shown) = self.discrepancy(&equations, kept)? {
                 covariance += &shown.covariance;
@@ -133,7 +133,7 @@ impl Inference<'_> {
             }
             beyond.extend(misfit);
         }
-        if let Some(omitted) = equations.omitted() {
+        if let Some(omitted) = &equations.omitted {
             covariance += omitted.covariance(observation, self.fit, self.instruments)?;
             beyond.extend_from_slice(&omitted.findings);
         }
@@ -155,10 +155,8 @@ impl Inference<'_> {
             parameters: left_out.parameters.clone(),
             tolerance: left_out.tolerance,
         }));
-        let completion = match self.problem.nominal {
-            Some(nominal) => Some(complete(&observation.base, beta, nominal)?),
-            None => None,
-        };
+        let nominal = self.problem.nominal;
+        let completion = nominal.map(|nominal| complete(&observation.base, beta, nominal)).transpose()?;
         if let Some(completion) = &completion {
             findings.extend(completion.findings.iter().cloned());
         }
@@ -179,9 +177,9 @@ impl Inference<'_> {
             residual_rms,
             noise_std: self.noise.std(),
             units: observation.units.clone(),
-            condition: self.fit.condition(),
-            condition_scaled: self.fit.condition_scaled(),
-            factorised_by: equations.factorised_by(),
+            condition: self.fit.condition,
+            condition_scaled: self.fit.condition_scaled,
+            factorised_by: equations.factorised_by,
             interval_basis,
             degrees_of_freedom: freedom,
             samples: observation.samples(),
@@ -198,8 +196,8 @@ impl Inference<'_> {
     fn discrepancy(&self, equations: &Factorisation<'_>, kept: &Observation) -> Result<Option<Shown>, EstimationError> {
         let Some(samples) = self.problem.samples else { return Ok(None) };
         let observation = self.problem.observation;
-        let of_kept = (!std::ptr::eq(kept, observation)).then(|| Factorisation::new(kept)).transpose()?;
-        let of_kept = of_kept.map(|of| of.with_omitted(equations.omitted().cloned()));
+        let mut of_kept = (!std::ptr::eq(kept, observation)).then(|| Factorisation::new(kept)).transpose()?;
+        of_kept.iter_mut().for_each(|of| of.omitted.clone_from(&equations.omitted));
         let Some(found) = of_kept.as_ref().unwrap_or(equations).discrepancy(samples)? else { return Ok(None) };
         let functions = found.products(observation, self.instruments)?;
         let covariance = self.fit.sandwich(&(functions + self.products(equations, &found.white())?));
@@ -218,7 +216,7 @@ impl Inference<'_> {
         }
         // Neighbours of opposite sign shorten error bars. By more than this is not believed of measured lags, whose
         // sum can even be negative.
-        let least = of(&NoiseModel::white(noise.covariance().clone(), false, noise.degrees_of_freedom()))?;
+        let least = of(&NoiseModel::white(noise.covariance().clone(), false, noise.degrees_of_freedom))?;
         let (mut believed, mut covariance) = (noise.clone(), of(noise)?);
         if !(0..covariance.nrows()).all(|j| covariance[(j, j)] > LEAST_VARIANCE * least[(j, j)]) {
             believed = noise.tapered();
@@ -281,7 +279,7 @@ impl Inference<'_> {
         if !self.termination.was_successful() {
             findings.push(Finding::Unfinished { termination: self.termination });
         }
-        let condition_scaled = self.fit.condition_scaled();
+        let condition_scaled = self.fit.condition_scaled;
         if condition_scaled > LARGE_CONDITION {
             findings.push(Finding::LargeCondition { condition_scaled });
         }

@@ -175,7 +175,7 @@ impl Estimator for EstimatorKind {
 
     fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
         let equations = problem.factorised()?;
-        (self.entry().estimate)(self.entry().name, &problem.with_factorisation(&equations))
+        (self.entry().estimate)(self.entry().name, &EstimationProblem { factorisation: Some(&equations), ..*problem })
     }
 
     fn exceptions(&self) -> &[LawException] {

@@ -1,7 +1,5 @@
 //! What an estimator promises.
 
-use std::fmt;
-
 /// A law that an estimator obeys unless it declares an exception; `conformance::estimator_laws` checks it. `NOTATION.md` has
 /// the table of laws and estimators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -33,12 +31,6 @@ crate::input::named! { EstimatorLaw as sentence {
     Report: "the estimate is complete and consistent in itself", Misfit: "a residual far above the noise is reported",
     Coverage: "95 % intervals cover the truth in about 95 % of cases"
 } }
-
-impl fmt::Display for EstimatorLaw {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.sentence())
-    }
-}
 
 /// A law that an estimator does not obey, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +83,7 @@ mod tests {
             let cells = found.unwrap_or_else(|| panic!("no row for {name}"));
             for (law, cell) in EstimatorLaw::ALL.iter().zip(&cells[1..]) {
                 let excepted = kind.exceptions().iter().any(|exception| exception.law == *law);
-                assert_eq!(*cell, if excepted { "no" } else { "yes" }, "{name}: {law}");
+                assert_eq!(*cell, if excepted { "no" } else { "yes" }, "{name}: {law:?}");
             }
         }
     }

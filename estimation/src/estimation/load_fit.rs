@@ -57,7 +57,7 @@ pub(super) fn observe_to(
     if !regressor.needs_load() {
         return Observation::new(robot, regressor, base, samples);
     }
-    let equations = |at: Option<&DVector<f64>>| Observation::of_any_length(robot, regressor, base, samples, at);
+    let equations = |at: Option<&DVector<f64>>| Ok(Observation::stacked(robot, regressor, base, samples, at)?.0);
     let at = at_rest(base, rest, equations)?;
     Observation::checked(robot, regressor, base, samples, Some(&at))
 }

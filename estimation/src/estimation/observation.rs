@@ -100,19 +100,9 @@ impl Observation {
         Ok(own)
     }
 
-    /// Equations that are predicted, of which there may be few, linearised `at` these parameters where they must be.
-    pub(super) fn of_any_length(
-        robot: &Robot,
-        regressor: &JointTorqueRegressor,
-        base: &BaseReduction,
-        samples: &Samples,
-        at: Option<&DVector<f64>>,
-    ) -> Result<Self, EstimationError> {
-        Ok(Self::stacked(robot, regressor, base, samples, at)?.0)
-    }
-
-    /// The equations, and the largest entry of each column in the rows that are none.
-    fn stacked(
+    /// The equations, of which there may be few, linearised `at` these parameters where they must be; and the largest entry of each column in
+    /// the rows that are none.
+    pub(super) fn stacked(
         robot: &Robot,
         regressor: &JointTorqueRegressor,
         base: &BaseReduction,

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::closed_loop::{ClosedLoop, ClosedLoopError};
-use super::error::{EstimationError, ProblemPart};
+use super::error::EstimationError;
 use super::factorisation::Factorisation;
 use super::observation::Observation;
 use super::termination::Termination;
@@ -34,7 +34,7 @@ pub struct EstimationProblem<'a> {
     pub robot: Option<&'a Robot>,
     /// The samples that the equations were made from.
     pub samples: Option<&'a Samples>,
-    /// What an experimenter would have guessed.
+    /// What an experimenter would have guessed; estimates then carry a full set of standard parameters, see [`super::complete`].
     pub nominal: Option<&'a StandardParameters>,
     /// Where estimators that simulate the arm begin, in place of the weighted linear fit; no other begins anywhere but with the
     /// equations.
@@ -63,34 +63,6 @@ impl<'a> EstimationProblem<'a> {
         }
     }
 
-    /// Adds the robot.
-    #[must_use]
-    pub const fn with_robot(mut self, robot: &'a Robot) -> Self {
-        self.robot = Some(robot);
-        self
-    }
-
-    /// Adds the samples.
-    #[must_use]
-    pub const fn with_samples(mut self, samples: &'a Samples) -> Self {
-        self.samples = Some(samples);
-        self
-    }
-
-    /// Adds the closed loop, or what is not known of it.
-    #[must_use]
-    pub const fn with_closed_loop(mut self, closed_loop: Result<&'a dyn ClosedLoop, &'a ClosedLoopError>) -> Self {
-        self.closed_loop = closed_loop;
-        self
-    }
-
-    /// Adds the factorisation of its equations.
-    #[must_use]
-    pub const fn with_factorisation(mut self, factorisation: &'a Factorisation<'a>) -> Self {
-        self.factorisation = Some(factorisation);
-        self
-    }
-
     /// Reports the steps of an iteration so far, of `total` at most. The termination of one that is to end here.
     pub fn ended_after(&self, iterations: usize, total: usize) -> Option<Termination> {
         let seen = self.observer.observe(Progress { work: Work::Steps, done: iterations, total });
@@ -113,7 +85,7 @@ impl<'a> EstimationProblem<'a> {
     /// # Errors
     /// [`EstimationError::Missing`] where the problem holds none.
     pub fn robot_for(&self, estimator: &str) -> Result<&'a Robot, EstimationError> {
-        self.robot.ok_or(EstimationError::Missing { estimator: estimator.to_owned(), part: ProblemPart::Robot })
+        self.robot.ok_or(EstimationError::Missing { estimator: estimator.to_owned(), part: "the robot" })
     }
 
     /// The samples, for an estimator that cannot do without.
@@ -121,7 +93,7 @@ impl<'a> EstimationProblem<'a> {
     /// # Errors
     /// [`EstimationError::Missing`] where the problem holds none.
     pub fn samples_for(&self, estimator: &str) -> Result<&'a Samples, EstimationError> {
-        self.samples.ok_or(EstimationError::Missing { estimator: estimator.to_owned(), part: ProblemPart::Samples })
+        self.samples.ok_or(EstimationError::Missing { estimator: estimator.to_owned(), part: "the samples" })
     }
 
     /// The closed loop, for an estimator that cannot do without.
@@ -138,13 +110,7 @@ impl<'a> EstimationProblem<'a> {
     /// # Errors
     /// [`EstimationError::Missing`] where the problem holds none.
     pub fn nominal_for(&self, estimator: &str) -> Result<&'a StandardParameters, EstimationError> {
-        self.nominal.ok_or(EstimationError::Missing { estimator: estimator.to_owned(), part: ProblemPart::Nominal })
-    }
-
-    /// Adds a nominal set. Estimates then carry a full set of standard parameters, see [`super::complete`].
-    #[must_use]
-    pub const fn with_nominal(mut self, nominal: &'a StandardParameters) -> Self {
-        self.nominal = Some(nominal);
-        self
+        self.nominal
+            .ok_or(EstimationError::Missing { estimator: estimator.to_owned(), part: "a nominal set of parameters" })
     }
 }

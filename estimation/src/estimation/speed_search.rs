@@ -241,7 +241,11 @@ impl<'a> Search<'a> {
         let extended = self.columns.with_slopes(observation, speeds, beta.solution(), &self.sought);
         let equations = Factorisation::new(&extended)?;
         let linear = LinearFit::with_weights(&equations, weights.clone())?;
-        let problem = EstimationProblem::new(&extended).with_samples(self.samples).with_factorisation(&equations);
+        let problem = EstimationProblem {
+            samples: Some(self.samples),
+            factorisation: Some(&equations),
+            ..EstimationProblem::new(&extended)
+        };
         let estimate = linear.estimate("wls", &problem, &linear.fit, Termination::Direct)?;
         let t = student_quantile(0.975, estimate.degrees_of_freedom);
         let mut logarithms = estimate.base.iter().skip(self.observation.base.rank());

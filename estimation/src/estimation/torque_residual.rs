@@ -159,15 +159,16 @@ impl TorqueSeries {
     }
 
     fn of_predicted(predicted: &[f64], samples: &Samples, bandwidth_hz: f64) -> Result<Self, EstimationError> {
-        let n = samples.dof();
+        let (n, is_periodic) = (samples.dof(), samples.period_s.is_some());
         let filter = Butterworth::new(4, bandwidth_hz, samples.rate_hz)?;
         let low_pass = |rows: &[f64]| -> Vec<f64> {
             let mut out = vec![0.0; rows.len()];
             for i in 0..n {
                 let column: Vec<f64> = rows.iter().skip(i).step_by(n).copied().collect();
-                let filtered = match samples.period_s {
-                    Some(_) => filter.zero_phase_periodic(&column),
-                    None => filter.zero_phase_reflected(&column),
+                let filtered = if is_periodic {
+                    filter.zero_phase_periodic(&column)
+                } else {
+                    filter.zero_phase_reflected(&column)
                 };
                 out.iter_mut().skip(i).step_by(n).zip(filtered).for_each(|(to, value)| *to = value);
             }

@@ -54,8 +54,9 @@ impl ProcessedLog {
         estimators: &[&dyn Estimator],
         observer: &dyn Observer,
     ) -> Result<Vec<Estimate>, Error> {
-        let identification = self.identification(columns).map_err(|error| self.unestimated(&error))?;
-        self.estimates(identification.with_omitted_laws(), estimators, observer)
+        let mut identification = self.identification(columns).map_err(|error| self.unestimated(&error))?;
+        identification.tests_laws = true;
+        self.estimates(identification, estimators, observer)
     }
 
     /// One of two logs of the same motion, for the difference of their estimates. What laws that the model omits do to both is
@@ -87,10 +88,8 @@ impl ProcessedLog {
         if let Some(other) = others.into_iter().find(|name| *name != EstimatorKind::Cloe.name()) {
             self.check_servo(&format!("the estimator {other}"))?;
         }
-        identification = identification.with_closed_loop(self.closed_loop());
-        if let Some(start) = &self.start {
-            identification = identification.with_start(start);
-        }
+        identification.closed_loop = self.closed_loop();
+        identification.start.clone_from(&self.start);
         identification.estimate_watched(&self.samples, estimators, observer).map_err(named)
     }
 

@@ -139,11 +139,8 @@ impl Ending {
     }
 
     /// Whether the arm was asked to stop and was not seen at rest.
-    pub const fn is_unconfirmed(&self) -> bool {
-        match self.rest() {
-            Some(rest) => rest.is_unconfirmed(),
-            None => false,
-        }
+    pub fn is_unconfirmed(&self) -> bool {
+        self.rest().is_some_and(|rest| rest.is_unconfirmed())
     }
 }
 

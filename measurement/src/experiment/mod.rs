@@ -65,7 +65,7 @@ pub use plan_mismatch::PlanMismatchError;
 pub use plant::{Plant, PlantError};
 pub use raw_sample::RawSample;
 pub use received_state::ReceivedState;
-pub use recorder::{Recorder, record, record_watched};
+pub use recorder::{Discarding, Recorder, record, record_watched};
 pub use recording::Recording;
 pub use replay::Replay;
 pub use sensing::Sensing;

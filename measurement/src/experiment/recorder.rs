@@ -44,6 +44,18 @@ impl Sink for Recorder<'_> {
     }
 }
 
+/// A sink that keeps nothing, for a run of which only the true states matter.
+#[derive(Clone, Copy, Debug)]
+pub struct Discarding;
+
+impl Sink for Discarding {
+    fn begin(&mut self, _: &Recording) {}
+
+    fn sample(&mut self, _: &RawSample<'_>) -> Flow {
+        Flow::Continue
+    }
+}
+
 /// Performs a plan on an arm and keeps every sample in memory.
 ///
 /// # Errors

@@ -259,7 +259,7 @@ impl<P: Plant> Arm for Servo<P> {
 mod tests {
     use super::*;
     use crate::experiment::hinges::{self, FlyWheels};
-    use crate::experiment::{Flow, RawSample, record};
+    use crate::experiment::{Discarding, record};
     use crate::model::{EffortInterface, ServoTuning};
 
     fn plan(dof: usize) -> ExperimentPlan {
@@ -287,15 +287,8 @@ mod tests {
             let (mut q, mut tau) = (Vec::new(), Vec::new());
             let mut recording = record(&mut servo_torque, &plan(n)).unwrap().0;
             assert_eq!(recording.effort_unit, EffortInterface::Torque);
-            struct Nothing;
-            impl Sink for Nothing {
-                fn begin(&mut self, _: &Recording) {}
-                fn sample(&mut self, _: &RawSample<'_>) -> Flow {
-                    Flow::Continue
-                }
-            }
             servo
-                .perform_observed(&plan(n), &mut Nothing, &mut |state| {
+                .perform_observed(&plan(n), &mut Discarding, &mut |state| {
                     q.extend_from_slice(state.q);
                     tau.extend_from_slice(state.tau);
                 })

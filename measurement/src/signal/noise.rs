@@ -34,8 +34,9 @@ pub struct NoiseModel {
     lags: Vec<DMatrix<f64>>,
     weights: Vec<f64>,
     wraps: bool,
+    /// Independent samples that R(0) was measured from.
     #[serde(deserialize_with = "crate::plain::infinite::positive")]
-    degrees_of_freedom: f64,
+    pub degrees_of_freedom: f64,
 }
 
 crate::plain::checked_when_read!(NoiseModel, |value| value.check().map(|()| value));
@@ -147,11 +148,6 @@ impl NoiseModel {
         if variance > 0.0 { self.lags.get(l).map_or(0.0, |r| r[(i, i)] / variance) } else { 0.0 }
     }
 
-    /// Independent samples that R(0) was measured from.
-    pub fn degrees_of_freedom(&self) -> f64 {
-        self.degrees_of_freedom
-    }
-
     /// `C W` for the covariance C of all samples stacked, with blocks `C(k, k+l) = R(l)`; W is (n·N) × b,
     /// sample-major.
     ///
@@ -235,7 +231,7 @@ mod tests {
     fn analytic_white_and_moving_average_lengths() {
         let scalar = |value: f64| DMatrix::from_element(1, 1, value);
         let white = NoiseModel::adaptive(|l| scalar(if l == 0 { 2.0 } else { 0.01 }), 100, true, 1000.0);
-        assert_eq!((white.length(), white.degrees_of_freedom()), (0, 1000.0));
+        assert_eq!((white.length(), white.degrees_of_freedom), (0, 1000.0));
         // Correlations 1, 0.5, 0.25 and then nothing: m = 2, so lag 3 comes with half its weight and lag 4 with none.
         let moving =
             NoiseModel::adaptive(|l| scalar([4.0, 2.0, 1.0].get(l).copied().unwrap_or(0.04)), 100, true, 1000.0);
@@ -244,7 +240,7 @@ mod tests {
         assert_eq!(moving.tapered().weights, [1.0, 0.75, 0.5, 0.25]);
         assert!((moving.correlation(0, 2) - 0.25).abs() < 1e-15 && moving.correlation(0, 9) == 0.0);
         // Bartlett: 1 + 2 (0.5² + 0.25² + 0.01²).
-        assert!((moving.degrees_of_freedom() - 1000.0 / 1.6252).abs() < 1e-9);
+        assert!((moving.degrees_of_freedom - 1000.0 / 1.6252).abs() < 1e-9);
         assert_eq!(moving.scaled(0.25).covariance(), &scalar(1.0));
     }
 }

@@ -48,15 +48,8 @@ pub struct Recurrence {
 /// `period_samples` does not state it. `None` where there are fewer than three periods, or they are less than half of the motion.
 pub fn recurrence(q: &[f64], dof: usize, period_samples: Option<f64>) -> Option<Recurrence> {
     let record = Record::new(q, dof)?;
-    let found = match period_samples {
-        Some(period) => record.at(period.round() as usize)?,
-        None => record.search()?,
-    };
-    let found = match period_samples {
-        Some(period_samples) => Recurrence { period_samples, ..found },
-        None => found,
-    };
-    record.settled(found)
+    let found = period_samples.map_or_else(|| record.search(), |period| record.at(period.round() as usize))?;
+    record.settled(Recurrence { period_samples: period_samples.unwrap_or(found.period_samples), ..found })
 }
 
 /// Positions over the spread of their joints.

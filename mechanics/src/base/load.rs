@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 
 use super::method::Method;
 use super::reduction::BaseReduction;
-use crate::model::term::Structure;
+use crate::model::term::{Structure, Term};
 use crate::model::{ParameterId, ParameterKind};
 
 /// Natural sizes of the ten: a kilogram a decimetre away.
@@ -18,10 +18,8 @@ pub const LOAD_UNITS: [f64; 10] = [1.0, 0.1, 0.1, 0.1, 0.01, 0.01, 0.01, 0.01, 0
 impl BaseReduction {
     /// Rows of the base that are made of inertias: of links and rotors.
     pub fn inertial_rows(&self) -> Vec<usize> {
-        let inertial = |kind: ParameterKind| match kind.term() {
-            None => true,
-            Some(term) => term.entry().structure == Structure::Inertia,
-        };
+        let is_inertia = |term: Term| term.entry().structure == Structure::Inertia;
+        let inertial = |kind: ParameterKind| kind.term().is_none_or(is_inertia);
         (0..self.rank()).filter(|&row| inertial(self.parameters[self.kept[row]].kind)).collect()
     }
 

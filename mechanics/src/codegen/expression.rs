@@ -63,10 +63,7 @@ impl Expressions {
     }
 
     fn known(&self, a: Id) -> Option<f64> {
-        match self.list[a] {
-            Expression::Number(bits) => Some(f64::from_bits(bits)),
-            _ => None,
-        }
+        if let Expression::Number(bits) = self.list[a] { Some(f64::from_bits(bits)) } else { None }
     }
 
     fn is(&self, a: Id, x: f64) -> bool {

@@ -62,8 +62,10 @@ pub struct LeastSquares {
     /// of its rows: D⁻¹ R⁻¹.
     left: DMatrix<f64>,
     right: DMatrix<f64>,
-    condition: f64,
-    condition_scaled: f64,
+    /// Condition number of W as it stands.
+    pub condition: f64,
+    /// Condition number of W with columns of unit length.
+    pub condition_scaled: f64,
 }
 
 impl LeastSquares {
@@ -176,16 +178,6 @@ impl LeastSquares {
         &self.solution
     }
 
-    /// Condition number of W as it stands.
-    pub const fn condition(&self) -> f64 {
-        self.condition
-    }
-
-    /// Condition number of W with columns of unit length.
-    pub const fn condition_scaled(&self) -> f64 {
-        self.condition_scaled
-    }
-
     /// `(WᵀW)⁻¹`, or A⁻¹, b × b: the covariance of β̂ by [`LeastSquares::solve`] where y has unit covariance.
     pub fn inverse_information(&self) -> DMatrix<f64> {
         product(&self.left, &self.right.transpose())
@@ -259,8 +251,8 @@ mod tests {
             }
         }
         let singular = w.singular_values();
-        assert!((fit.condition() / (singular.max() / singular.min()) - 1.0).abs() < 1e-8);
-        assert!(fit.condition_scaled() < 3.0, "unit columns of a random matrix");
+        assert!((fit.condition / (singular.max() / singular.min()) - 1.0).abs() < 1e-8);
+        assert!(fit.condition_scaled < 3.0, "unit columns of a random matrix");
     }
 
     #[test]

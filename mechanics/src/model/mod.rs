@@ -33,7 +33,7 @@ pub mod term;
 
 pub use bundled::{BundledRobot, bundled};
 pub use capsule::Capsule;
-pub use columns::{Columns, MOST_TERMS};
+pub use columns::{Columns, MOST_TERMS, distinct};
 pub use columns_error::ColumnsError;
 pub use declared_uncertainty::{DeclaredUncertainty, DeclaredUncertaintyError};
 pub use drive::Drive;

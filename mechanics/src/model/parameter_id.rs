@@ -62,10 +62,7 @@ impl ParameterKind {
 
     /// The torque term that it is the coefficient of; `None` for a link's.
     pub const fn term(self) -> Option<Term> {
-        match self {
-            Self::Term(term) => Some(term),
-            _ => None,
-        }
+        if let Self::Term(term) = self { Some(term) } else { None }
     }
 }
 

@@ -32,10 +32,8 @@ pub fn pocock_bounds(fractions: &[f64], level: f64) -> Vec<f64> {
     for (k, &fraction) in fractions.iter().enumerate() {
         let until_now = (1.0 - level) * libm::log1p((E - 1.0) * fraction);
         let step = (fraction - if k == 0 { 0.0 } else { fractions[k - 1] }).sqrt();
-        let leaving = |limit: f64| match &inside {
-            None => 2.0 * upper_tail(limit / step),
-            Some(inside) => inside.leaving(limit, step),
-        };
+        let outside = |limit: f64| 2.0 * upper_tail(limit / step);
+        let leaving = |limit: f64| inside.as_ref().map_or_else(|| outside(limit), |inside| inside.leaving(limit, step));
         let (mut low, mut high) = (0.0, FARTHEST * fraction.sqrt());
         // More halvings than a double has digits.
         for _ in 0..80 {

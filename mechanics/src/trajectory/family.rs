@@ -49,10 +49,7 @@ impl TrajectoryFamily for Family {
 
     /// Splines need a knot more than their degree.
     fn least_harmonics(&self) -> usize {
-        match self.degree() {
-            None => 1,
-            Some(degree) => degree.div_ceil(2),
-        }
+        self.degree().map_or(1, |degree| degree.div_ceil(2))
     }
 
     fn shape(&self, period_s: f64, harmonics: usize) -> Arc<dyn ShapeFunctions> {

@@ -276,12 +276,11 @@ impl FourierTrajectory {
 fn series(text: &str, file: FileIn) -> Result<FourierTrajectory, TrajectoryError> {
     let period_s = check_period(text, &file.period_s)?;
     let harmonics = *file.harmonics.get_ref();
+    let at_harmonics = |message: &str| at(text, file.harmonics.span(), message);
     if harmonics == 0 {
-        return Err(at(text, file.harmonics.span(), "harmonics is 0, expected at least 1"));
+        return Err(at_harmonics("harmonics is 0, expected at least 1"));
     }
-    if let Err(fault) = HARMONICS.check_count("harmonics", harmonics) {
-        return Err(at(text, file.harmonics.span(), &fault.to_string()));
-    }
+    HARMONICS.check_count("harmonics", harmonics).map_err(|fault| at_harmonics(&fault.to_string()))?;
     if file.joint.get_ref().is_empty() {
         return Err(at(text, file.joint.span(), "no joint, expected one [[joint]] for each of the robot"));
     }

@@ -1,6 +1,6 @@
 //! The same experiment on each engine, under the same servo.
 
-use armid::experiment::{Ending, ExperimentPlan, Flow, Phase, RawSample, Recording, Sensing, Servo, Sink};
+use armid::experiment::{Discarding, Ending, ExperimentPlan, Phase, Sensing, Servo};
 
 use super::case::Case;
 use crate::Engine;
@@ -11,17 +11,6 @@ use crate::engine::EngineError;
 pub(super) struct Performed {
     pub(super) q: Vec<Vec<f64>>,
     pub(super) tau: Vec<Vec<f64>>,
-}
-
-/// A sink for a run of which only the true states matter.
-struct Discarding;
-
-impl Sink for Discarding {
-    fn begin(&mut self, _: &Recording) {}
-
-    fn sample(&mut self, _: &RawSample<'_>) -> Flow {
-        Flow::Continue
-    }
 }
 
 /// One period of the experiment with sensors that read exactly what is there, so that no rounding to counts hides or

@@ -67,11 +67,13 @@ impl Arm {
     ) -> Estimate {
         let observation = Observation::new(&self.robot, &self.regressor, &self.base, samples).unwrap();
         let known = self.closed_loop(recording);
-        let problem = EstimationProblem::new(&observation)
-            .with_robot(&self.robot)
-            .with_samples(samples)
-            .with_nominal(&self.nominal)
-            .with_closed_loop(Ok(&*known));
+        let problem = EstimationProblem {
+            robot: Some(&self.robot),
+            samples: Some(samples),
+            nominal: Some(&self.nominal),
+            closed_loop: Ok(&*known),
+            ..EstimationProblem::new(&observation)
+        };
         kind.estimator().estimate(&EstimationProblem { start, ..problem }).unwrap()
     }
 

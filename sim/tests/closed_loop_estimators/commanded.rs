@@ -74,11 +74,13 @@ fn estimate(arm: &Arm, stated: &PositionServo, run: u64, kind: EstimatorKind) ->
     let observation = Observation::new(&arm.robot, &arm.regressor, &arm.base, &samples)?;
     let reference = ClosedLoopReference::Commands(stated, std::slice::from_ref(&samples));
     let known = closed_loop(&arm.robot, &arm.nominal, reference).unwrap();
-    let problem = EstimationProblem::new(&observation)
-        .with_robot(&arm.robot)
-        .with_samples(&samples)
-        .with_nominal(&arm.nominal)
-        .with_closed_loop(Ok(&*known));
+    let problem = EstimationProblem {
+        robot: Some(&arm.robot),
+        samples: Some(&samples),
+        nominal: Some(&arm.nominal),
+        closed_loop: Ok(&*known),
+        ..EstimationProblem::new(&observation)
+    };
     kind.estimator().estimate(&problem)
 }
 
@@ -149,10 +151,12 @@ fn identity_known_servos_and_their_commands_give_the_arm() {
         let reference = ClosedLoopReference::Commands(&known, std::slice::from_ref(&samples));
         let observation = Observation::new(&arm.robot, &arm.regressor, &arm.base, &samples).unwrap();
         let of = closed_loop(&arm.robot, &arm.nominal, reference).unwrap();
-        let problem = EstimationProblem::new(&observation)
-            .with_robot(&arm.robot)
-            .with_samples(&samples)
-            .with_closed_loop(Ok(&*of));
+        let problem = EstimationProblem {
+            robot: Some(&arm.robot),
+            samples: Some(&samples),
+            closed_loop: Ok(&*of),
+            ..EstimationProblem::new(&observation)
+        };
         let found = kind.estimator().estimate(&problem).unwrap();
         assert!(arm.error(&found) < 0.02, "{}: {}", kind.name(), arm.error(&found));
     }

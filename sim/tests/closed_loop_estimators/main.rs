@@ -176,10 +176,12 @@ fn a_servo_a_motion_or_a_guess_that_is_not_known_is_named() {
     let samples = process(&recording, &arm.robot, &Processing::default()).unwrap();
     let observation = Observation::new(&arm.robot, &arm.regressor, &arm.base, &samples).unwrap();
     let missing = ClosedLoopError::NoReference;
-    let problem = EstimationProblem::new(&observation)
-        .with_robot(&arm.robot)
-        .with_samples(&samples)
-        .with_closed_loop(Err(&missing));
+    let problem = EstimationProblem {
+        robot: Some(&arm.robot),
+        samples: Some(&samples),
+        closed_loop: Err(&missing),
+        ..EstimationProblem::new(&observation)
+    };
     for kind in SIMULATING {
         let found = kind.estimator().estimate(&problem).unwrap_err();
         assert_eq!(found, EstimationError::ClosedLoop { estimator: kind.name().into(), reason: missing.clone() });

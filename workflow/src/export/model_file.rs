@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use armid::estimation::{BodyOrigin, Estimate, EstimatorKind, Model, ModelFit, ModelGuess, PriorWeight, Termination};
-use armid::model::{Columns, ParameterId, ParameterKind, Robot, StandardParameters};
+use armid::model::term::Term;
+use armid::model::{Columns, ParameterId, ParameterKind, Robot, StandardParameters, distinct};
 use armid::observer::{Observer, Progress, Work};
 use armid_io::robot::ChainSource;
 use armid_io::{Error, ErrorKind, LoadedRobot, ProcessedLog};
@@ -345,14 +346,9 @@ fn guess(loaded: &LoadedRobot) -> ModelGuess {
 
 /// What the terms are called that the estimate has and the format has not.
 fn left_out(columns: Columns, estimated: Columns, robot: &Robot) -> Vec<&'static str> {
-    let mut meanings: Vec<&'static str> = Vec::new();
-    for term in estimated.terms().filter(|&term| !columns.has(term)) {
-        let acts = (0..robot.dof()).any(|index| term.is_at(robot, index));
-        if acts && !meanings.contains(&term.entry().meaning) {
-            meanings.push(term.entry().meaning);
-        }
-    }
-    meanings
+    let acts = |term: &Term| (0..robot.dof()).any(|index| term.is_at(robot, index));
+    let missing = estimated.terms().filter(|term| !columns.has(*term) && acts(term));
+    distinct(missing.map(|term| term.entry().meaning))
 }
 
 /// The comment at the top of the file.

@@ -111,10 +111,7 @@ pub fn identify(
         Ok(Identified { expressions: log.expressions(&estimate, NAME)?, verdict, estimate, used, held_out })
     };
     let estimates = estimates.into_iter().map(identified).collect::<Result<Vec<_>, Error>>()?;
-    let transmissions = match estimates.first() {
-        Some(first) => log.transmissions(&first.estimate, NAME)?,
-        None => None,
-    };
+    let transmissions = estimates.first().map_or(Ok(None), |first| log.transmissions(&first.estimate, NAME))?;
     Ok(IdentifyAnswer { log, inputs, estimates, suspicions, selection, onset, speeds, transmissions, interrupted })
 }
 

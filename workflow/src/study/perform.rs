@@ -62,7 +62,7 @@ fn perform_one(plan: &StudyPlan, settings: &StudySettings, observer: &dyn Observ
 /// Starts of all families until a rule is met, and the study of those that were performed.
 fn perform_until(mut study: Performance<'_>, words: &str, settings: &StudySettings) -> Result<StudyAnswer, Error> {
     let rule: StoppingRule = words.parse().map_err(Error::new)?;
-    rule.families(study.plan()).map_err(|error| match error {
+    rule.families(&study.setup.plan).map_err(|error| match error {
         StudyPlanError::Family { found, families, .. } => {
             let until = Remedy::default().setting(Setting::Until);
             Error::new(format!("{until} is \"{found}\", expected one of the families: {}", families.join(", ")))
@@ -74,7 +74,7 @@ fn perform_until(mut study: Performance<'_>, words: &str, settings: &StudySettin
     let Some((looks, work)) = study.perform_until(work, &rule, words)? else {
         return Ok(study.interrupted());
     };
-    let first = study.plan().first_starts(looks.starts());
+    let first = study.setup.plan.first_starts(looks.starts());
     let performed = PreparedStudy::new(first, settings.beside.as_deref(), &settings.own)?;
     let first = performed.performance(&settings.output, Part::default(), study.observer);
     Ok(StudyAnswer::Whole(Box::new(first.sum_up_first(&study, work, looks)?)))

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use armid::observer::{Observer, Work};
 use armid::provenance::sha256;
-use armid::study::{MeasuredMotions, PlannedDesign, RunId, RunOrder, StudyDesign, StudyPlan, StudySetup};
+use armid::study::{MeasuredMotions, PlannedDesign, RunId, RunOrder, StudyDesign, StudySetup};
 use rayon::prelude::*;
 
 use armid_io::Error;
@@ -54,23 +54,18 @@ impl Performance<'_> {
 
     /// No work yet. The text of the plan decides the rows: stored work with another one belongs to another study.
     pub(super) fn no_work(&self) -> Result<FinishedWork, Error> {
-        Ok(FinishedWork::new(self.setup, &sha256(&plan_text(self.plan())?)))
+        Ok(FinishedWork::new(self.setup, &sha256(&plan_text(&self.setup.plan)?)))
     }
 
     /// Begins the journal in the output folder, or goes on with it; the plan stands beside it.
     pub(super) fn begin(&self, work: &mut FinishedWork, resume: bool) -> Result<(), Error> {
-        check_output(self.output, self.plan(), &self.setup.own)?;
+        check_output(self.output, &self.setup.plan, &self.setup.own)?;
         work.begin(self.output, resume, self.setup)?;
-        write_text(&self.output.join("study.toml"), &plan_text(self.plan())?)?;
+        write_text(&self.output.join("study.toml"), &plan_text(&self.setup.plan)?)?;
         if let Some(note) = work.note() {
             self.observer.note(&note);
         }
         Ok(())
-    }
-
-    /// The plan.
-    pub(super) fn plan(&self) -> &StudyPlan {
-        &self.setup.plan
     }
 
     /// How many planned runs are not finished.

@@ -18,7 +18,8 @@ use crate::simulated_arm;
 /// A study and the arms that it is performed on, one for each condition.
 #[derive(Debug)]
 pub struct PreparedStudy {
-    setup: StudySetup,
+    /// What it studies, by which plan.
+    pub setup: StudySetup,
     arms: Vec<SimulatedArm>,
     robot_text: Arc<str>,
 }
@@ -46,17 +47,12 @@ impl PreparedStudy {
         Ok(Self { setup, arms, robot_text: loaded.text.content })
     }
 
-    /// The plan.
-    pub fn plan(&self) -> &StudyPlan {
-        &self.setup.plan
-    }
-
     /// Is a folder free for this study?
     ///
     /// # Errors
     /// [`Error`] where it holds another one.
     pub fn check_output(&self, folder: &Path) -> Result<(), Error> {
-        check_output(folder, self.plan(), &self.setup.own)
+        check_output(folder, &self.setup.plan, &self.setup.own)
     }
 
     pub(super) fn performance<'a>(

@@ -34,7 +34,7 @@ pub(super) fn perform(
     let mut without_result = Vec::new();
     for (prepared, folder) in &studies {
         let study = prepared.performance(folder, Part::default(), observer);
-        let robot = &study.plan().robot;
+        let robot = &study.setup.plan.robot;
         if settings.resume && study.is_stored() {
             observer.note(&format!("{robot} is complete in {}", folder.display()));
             continue;

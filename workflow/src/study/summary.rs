@@ -57,7 +57,7 @@ impl Performance<'_> {
     pub(super) fn is_stored(&self) -> bool {
         let of_plan = || {
             let stored = Text::read(&self.output.join("study.toml")).ok();
-            stored.is_some_and(|stored| plan_text(self.plan()).is_ok_and(|text| text == *stored.content))
+            stored.is_some_and(|stored| plan_text(&self.setup.plan).is_ok_and(|text| text == *stored.content))
         };
         let of_robot = || read_study(self.output).is_ok_and(|input| input.result.provenance == self.provenance());
         !self.output.join(Journal::NAME).exists() && of_plan() && of_robot()

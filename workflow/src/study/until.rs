@@ -20,10 +20,8 @@ impl Performance<'_> {
         let mut looks = Looks { until: words.to_owned(), looks: Vec::new(), termination: "all-starts" };
         for (starts, bound) in StoppingRule::looks(self.setup.plan.designs[families[0]].starts) {
             self.starts = starts;
-            work = match self.perform_some(work)? {
-                Some(work) => work,
-                None => return Ok(None),
-            };
+            let Some(performed) = self.perform_some(work)? else { return Ok(None) };
+            work = performed;
             let logs = self.pairs(families, rule, starts, &mut work)?;
             let look = StoppingRule::look(starts, bound, &logs);
             looks.looks.push(look);

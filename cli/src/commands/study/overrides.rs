@@ -50,10 +50,7 @@ impl Overrides {
             }
         }
         let request = Request { study: study.to_owned(), plans, beside, below: None };
-        match &self.robot {
-            Some(robot) => Ok(request.for_robot(robot)?),
-            None => Ok(request),
-        }
+        Ok(if let Some(robot) = &self.robot { request.for_robot(robot)? } else { request })
     }
 
     /// These overrides as words of a command line.

@@ -7,7 +7,7 @@ use armid_io::Error;
 use armid_io::study::{design_and_run_seconds, log_ratios, read_study};
 use miette::Result;
 
-use crate::terminal::{Align, Answer, Console, Ending, Table};
+use crate::terminal::{Answer, Console, Ending, Table};
 
 /// Runs of each design that are considered.
 const RUNS: [usize; 9] = [2, 3, 5, 10, 20, 50, 100, 200, 500];
@@ -80,8 +80,7 @@ fn answer(
         100.0 * share,
     );
     let assured = format!("with {:.0} %", 100.0 * ASSURANCE);
-    let headings = ["starts", "arms", "runs", "expected", &assured, "core-hours"];
-    let mut table = Table::new(&headings.map(|heading| (heading, Align::Right)));
+    let mut table = Table::of(&format!("#starts | #arms | #runs | #expected | #{assured} | #core-hours"));
     let percent = |share: f64| format!("±{:.2} %", 100.0 * share);
     for (size, hours) in sizes {
         let truths = size.truths.map_or("1".to_owned(), |truths| truths.to_string());

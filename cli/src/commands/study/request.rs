@@ -29,10 +29,7 @@ impl Request {
             let message = format!("--robot is \"{robot}\", expected one of the robots of {}", self.study);
             return Err(Error::unknown(message).help(format!("expected one of: {}", robots.join(", "))));
         };
-        let below = match &self.plans {
-            StudyPlans::One(_) => None,
-            StudyPlans::OnRobots(_) => Some(plan.robot_folder()),
-        };
+        let below = matches!(self.plans, StudyPlans::OnRobots(_)).then(|| plan.robot_folder());
         Ok(Self { plans: StudyPlans::One(Box::new(plan)), below, ..self })
     }
 

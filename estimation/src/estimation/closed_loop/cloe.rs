@@ -69,8 +69,13 @@ pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Es
     let (rest, fit, weights, hidden) = round((rest.beta, rest.linearised))?;
     let around = rest.linearised.equations(&positions, &rest.beta);
     let around_equations = Factorisation::new(&around)?;
-    let around_problem = EstimationProblem { observation: &around, nominal: None, robot: None, ..*problem }
-        .with_factorisation(&around_equations);
+    let around_problem = EstimationProblem {
+        observation: &around,
+        nominal: None,
+        robot: None,
+        factorisation: Some(&around_equations),
+        ..*problem
+    };
     let linear = LinearFit {
         fit: fit.with_solution(rest.beta.clone(), fit.inverse_information())?,
         weights: Some(weights),

@@ -90,10 +90,10 @@ pub(super) fn estimate(
     let beside_equations = Factorisation::new(&beside)?;
     let torque = LinearFit::weighted(&beside_equations)?;
     let beside_problem = EstimationProblem { observation: &beside, samples: Some(&restated), ..*problem };
-    let beside_problem = beside_problem.with_factorisation(&beside_equations);
+    let beside_problem = EstimationProblem { factorisation: Some(&beside_equations), ..beside_problem };
     let of_arm = fit.with_solution(rest.beta.rows(0, b).into_owned(), torque.fit.inverse_information())?;
     let mut estimate = torque.estimate(name, &beside_problem, &of_arm, rest.termination)?;
-    estimate.degrees_of_freedom = noise.degrees_of_freedom();
+    estimate.degrees_of_freedom = noise.degrees_of_freedom;
     estimate.motor_errors = Vec::new();
     estimate.interval_basis = IntervalBasis::Residual;
     let t = student_quantile(0.975, estimate.degrees_of_freedom);

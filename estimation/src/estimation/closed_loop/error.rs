@@ -7,7 +7,7 @@ use crate::experiment::DivergenceError;
 #[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum ClosedLoopError {
     /// The problem was given no closed loop.
-    #[error("nothing simulates the arm, expected a closed loop (EstimationProblem::with_closed_loop)")]
+    #[error("nothing simulates the arm, expected a closed loop (EstimationProblem::closed_loop)")]
     NotGiven,
     /// Nothing states how the servo is tuned.
     #[error(

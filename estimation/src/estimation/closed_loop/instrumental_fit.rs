@@ -54,10 +54,8 @@ impl InstrumentalFit {
         let white = |matrix: &DMatrix<f64>| weights.clone().whiten(matrix, &observation.used);
         let (white_w, white_y) = (white(&observation.regressor)?, white(&column(&observation.y))?);
         let at_rest = if onto.is_some() { AT_REST_IN_A_SET } else { AT_REST };
-        let first = match onto {
-            Some(onto) => onto(&linear.fit)?,
-            None => linear.fit.solution().clone(),
-        };
+        let solution = |fit: &LeastSquares| Ok(fit.solution().clone());
+        let first = onto.map_or_else(|| solution(&linear.fit), |onto| onto(&linear.fit))?;
         let StartingPoint { mut beta, found: mut motion, .. } =
             starting_point(&trial, &first, None, |beta| trial.motion(beta))?;
         let mut iterations = 0;
@@ -65,10 +63,7 @@ impl InstrumentalFit {
             iterations += 1;
             let white_z = white(&trial.regressor_along(&motion))?;
             let fit = solve(observation, &white_z, &white_w, &white_y, &linear.fit)?;
-            let next = match onto {
-                Some(onto) => onto(&with_own_covariance(&fit, &white_z)?)?,
-                None => fit.solution().clone(),
-            };
+            let next = onto.map_or_else(|| solution(&fit), |onto| onto(&with_own_covariance(&fit, &white_z)?))?;
             let change = product(&white_w, &column(&(&next - &beta)));
             let last_step = change.norm() / white_y.norm();
             beta = next;

@@ -41,7 +41,7 @@ pub struct ClosedLoopSlopes {
 /// recorded ones, and several recordings follow each other. Equal parameters give equal bits.
 ///
 /// Estimators that simulate receive it in their problem
-/// ([`EstimationProblem::with_closed_loop`](crate::estimation::EstimationProblem::with_closed_loop)); the core has no
+/// ([`EstimationProblem::closed_loop`](crate::estimation::EstimationProblem::closed_loop)); the core has no
 /// simulator, `armid-sim` brings one.
 pub trait ClosedLoop: fmt::Debug + Send + Sync {
     /// What the servo's gains are placed on, and what parameters that torque does not show are taken from.

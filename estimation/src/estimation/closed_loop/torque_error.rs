@@ -55,7 +55,7 @@ pub(super) fn estimate(
     let TorqueSearch { around, weights, rest, finding } = search(estimator, problem, slope, None)?;
     let equations = Factorisation::new(&around)?;
     let linear = LinearFit::with_weights(&equations, weights)?;
-    let problem = EstimationProblem { observation: &around, ..*problem }.with_factorisation(&equations);
+    let problem = EstimationProblem { observation: &around, factorisation: Some(&equations), ..*problem };
     let mut estimate = linear.estimate(estimator, &problem, &rest.fit(linear.fit.clone())?, rest.termination)?;
     estimate.findings.extend(finding);
     Ok(estimate)
@@ -87,10 +87,7 @@ pub(in crate::estimation) fn search(
         };
         Ok(Linearised { residual: trial.torque_error(&motion), jacobian })
     };
-    let first = match onto {
-        Some(onto) => onto(&linear.fit)?,
-        None => linear.fit.solution().clone(),
-    };
+    let first = onto.map_or_else(|| Ok(linear.fit.solution().clone()), |onto| onto(&linear.fit))?;
     // Intervals need the exact slope, and would end outside of a set.
     let output = match (slope, onto) {
         (TorqueSlope::Exact, None) => Some(Output::Torque),

@@ -49,15 +49,7 @@ pub(super) const NEAREST: Weights = Weights {
 impl Prior {
     /// `λ (½ χ² + R) + barrier`, R the prior. Where there is none, the horizon bounds what the data leave free.
     pub(super) const fn weights(self, lambda: f64) -> Weights {
-        let barrier = Weights {
-            data: lambda,
-            quadratic: 0.0,
-            linear: 0.0,
-            offsets: 0.0,
-            logarithms: 1.0,
-            bounds: 1.0,
-            horizon: 0.0,
-        };
+        let barrier = Weights { data: lambda, linear: 0.0, offsets: 0.0, ..NEAREST };
         match self {
             Self::None => Weights { horizon: 1.0, ..barrier },
             Self::Entropic => Weights { linear: lambda, offsets: lambda, logarithms: lambda, ..barrier },

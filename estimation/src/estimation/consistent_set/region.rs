@@ -91,15 +91,7 @@ impl Region {
                     }
                 },
                 // The other nine stand beside their mass.
-                ParameterKind::Mcx
-                | ParameterKind::Mcy
-                | ParameterKind::Mcz
-                | ParameterKind::Ixx
-                | ParameterKind::Ixy
-                | ParameterKind::Ixz
-                | ParameterKind::Iyy
-                | ParameterKind::Iyz
-                | ParameterKind::Izz => {}
+                _ => {}
             }
         }
         Ok(region)

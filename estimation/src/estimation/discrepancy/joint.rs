@@ -103,7 +103,7 @@ impl JointResidual {
             shared,
             power,
             freedom: freedom as f64,
-            scatter_freedom: noise.degrees_of_freedom(),
+            scatter_freedom: noise.degrees_of_freedom,
             unit,
             used,
         })

@@ -30,10 +30,9 @@ impl Coefficient {
         let ParameterKind::Term(term) = id.kind else { return None };
         let (sign, stated) = (term.entry().sign, guess.get(id));
         let unit = if column > 0.0 { torque.max(f64::MIN_POSITIVE) / column } else { 0.0 };
-        Some(match term == ROTOR && stated > 0.0 && unit > 0.0 {
-            true => Self { at, unit: stated, weight: 1.0, sign },
-            false => Self { at, unit, weight: WIDE, sign },
-        })
+        let is_stated = term == ROTOR && stated > 0.0 && unit > 0.0;
+        let (unit, weight) = if is_stated { (stated, 1.0) } else { (unit, WIDE) };
+        Some(Self { at, unit, weight, sign })
     }
 
     /// z where a search begins.

@@ -83,13 +83,13 @@ impl Evidence {
             let spread = noise.operator(observation.samples()).apply(&weighted);
             basis.transpose() * transpose_product(&weighted, &spread) * &basis
         };
-        let white = of(&NoiseModel::white(noise.covariance().clone(), false, noise.degrees_of_freedom()));
+        let white = of(&NoiseModel::white(noise.covariance().clone(), false, noise.degrees_of_freedom));
         let Some(precision) = definite_inverse(raised(of(&noise), &white)) else { return Ok(None) };
         // θ in those coordinates has the precision S⁻¹, and J basis brings the coordinates of θ there.
         let to = basis.transpose() * j;
         let information = to.transpose() * &precision * &to;
         let score = to.transpose() * precision * score;
-        Ok(Some(Self { information, score, freedom: noise.degrees_of_freedom() }))
+        Ok(Some(Self { information, score, freedom: noise.degrees_of_freedom }))
     }
 
     /// Which of the groups are supported, and the probability, over all groups, of noise as large: the clearest first, the others beside it.

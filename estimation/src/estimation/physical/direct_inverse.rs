@@ -29,6 +29,6 @@ pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Es
     let TorqueSearch { around, weights, rest, .. } = torque_search(name, problem, TorqueSlope::Regressor, Some(&onto))?;
     let equations = Factorisation::new(&around)?;
     let linear = LinearFit::with_weights(&equations, weights)?;
-    let problem = EstimationProblem { observation: &around, ..*problem }.with_factorisation(&equations);
+    let problem = EstimationProblem { observation: &around, factorisation: Some(&equations), ..*problem };
     fit::estimate(name, &problem, &linear, Prior::None, Some(rest.termination))
 }

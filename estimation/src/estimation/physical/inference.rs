@@ -90,12 +90,7 @@ fn is_never_negative(base: &BaseReduction, row: usize) -> bool {
         let never = match id.kind {
             ParameterKind::M | ParameterKind::Ixx | ParameterKind::Iyy | ParameterKind::Izz => true,
             ParameterKind::Term(term) => term.entry().sign == Sign::NotNegative,
-            ParameterKind::Mcx
-            | ParameterKind::Mcy
-            | ParameterKind::Mcz
-            | ParameterKind::Ixy
-            | ParameterKind::Ixz
-            | ParameterKind::Iyz => false,
+            _ => false,
         };
         never && coefficient >= 0.0
     })

@@ -305,7 +305,7 @@ impl<'a> Tests<'a> {
         let noise = residual_noise(self.observation, &(&self.residual - &beside * slope));
         let columns = DMatrix::from_column_slice(z.len(), 1, z.as_slice());
         let variance = z.dot(&noise.apply(&columns).column(0));
-        let (std, freedom) = (variance.max(0.0).sqrt() / information, noise.degrees_of_freedom());
+        let (std, freedom) = (variance.max(0.0).sqrt() / information, noise.degrees_of_freedom);
         let t = student_quantile(0.5 + 0.5 * 0.95, freedom);
         let p_adjusted = student_p_value(slope / std, freedom);
         if !p_adjusted.is_finite() {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::beyond_motion::BeyondMotion;
 
 /// Whether the data decide for a term.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// By every criterion: it is in the selected set.
@@ -15,6 +15,7 @@ pub enum Verdict {
     /// The F-test does not distinguish its coefficients from zero: it is left out.
     NotSupported,
     /// The motion does not distinguish it from the other columns: it is left out.
+    #[default]
     NotExcited,
 }
 
@@ -50,7 +51,7 @@ impl HeldOutChange {
 }
 
 /// The evidence for one term, when it was left out or in the selected set.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TermEvidence {
     /// Its word in `--columns`.
@@ -78,17 +79,7 @@ pub struct TermEvidence {
 impl TermEvidence {
     /// A term that the motion does not show.
     pub(in crate::estimation) fn untested(word: &str) -> Self {
-        Self {
-            term: word.to_owned(),
-            verdict: Verdict::NotExcited,
-            coefficients: 0,
-            f: None,
-            aic: None,
-            bic: None,
-            held_out: None,
-            negative: Vec::new(),
-            alike: Vec::new(),
-        }
+        Self { term: word.to_owned(), ..Self::default() }
     }
 }
 

@@ -8,8 +8,8 @@ use crate::estimation::factorisation::Factorisation;
 use crate::estimation::identification::Identification;
 use crate::estimation::linear_fit::LinearFit;
 use crate::estimation::observation::Observation;
-use crate::model::Columns;
 use crate::model::term::{CURRENT_LAG, LOAD_FRICTION, Term};
+use crate::model::{Columns, distinct};
 use crate::signal::Samples;
 
 /// Probability that the terms of an arm without any are reported.
@@ -189,11 +189,8 @@ impl<F: Fn(Columns) -> Result<Identification, EstimationError>> Search<'_, F> {
         }
         let robot = identification.problem(&step.observation, self.samples).robot;
         let beta = step.linear.fit.solution();
-        let beside = match robot {
-            Some(robot) => Beside::of(word, robot, &step.observation, self.samples, beta.as_slice()),
-            None => Ok(None),
-        };
-        let beside = match beside {
+        let of = |robot| Beside::of(word, robot, &step.observation, self.samples, beta.as_slice());
+        let beside = match robot.map_or(Ok(None), of) {
             Ok(Some(beside)) => beside,
             Ok(None) | Err(EstimationError::NotExcited { .. } | EstimationError::OutsideOfEquations { .. }) => {
                 return Ok(Tested::not(word));
@@ -250,13 +247,7 @@ fn weakness(term: &TermEvidence) -> f64 {
 
 /// The words of the terms of these columns, each once.
 pub(super) fn words_of(columns: Columns) -> Vec<&'static str> {
-    let mut words = Vec::new();
-    for term in columns.terms() {
-        if !words.contains(&term.entry().name) {
-            words.push(term.entry().name);
-        }
-    }
-    words
+    distinct(columns.terms().map(|term| term.entry().name))
 }
 
 /// The columns without the terms of a word.

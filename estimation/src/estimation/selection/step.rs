@@ -43,16 +43,15 @@ impl Step {
     ) -> Result<Self, EstimationError> {
         let (linear, estimate) = {
             let equations = Factorisation::new(&observation)?;
-            let problem = identification.problem(&observation, samples).with_factorisation(&equations);
+            let problem =
+                EstimationProblem { factorisation: Some(&equations), ..identification.problem(&observation, samples) };
             let problem = EstimationProblem { nominal: None, ..problem };
             let linear = LinearFit::weighted(&equations)?;
             let estimate = linear.estimate("wls", &problem, &linear.fit, Termination::Direct)?;
             (linear, estimate)
         };
-        let predictions = match &linear.weights {
-            Some(weights) => Predictions::new(&observation, weights, &linear.fit, unseen)?,
-            None => None,
-        };
+        let predictions = |weights| Predictions::new(&observation, weights, &linear.fit, unseen);
+        let predictions = linear.weights.as_ref().map_or(Ok(None), predictions)?;
         Ok(Self {
             covariance: estimate.covariance_matrix(),
             freedom: estimate.degrees_of_freedom,

@@ -40,7 +40,8 @@ fn case() -> Case {
 
 fn estimate(robot: &Robot, case: &Case, samples: &Samples) -> Estimate {
     let observation = (case.observe)(samples);
-    let problem = EstimationProblem::new(&observation).with_robot(robot).with_samples(samples);
+    let problem =
+        EstimationProblem { robot: Some(robot), samples: Some(samples), ..EstimationProblem::new(&observation) };
     EstimatorKind::Wls.estimator().estimate(&problem).unwrap()
 }
 

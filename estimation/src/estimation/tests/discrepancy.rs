@@ -55,7 +55,7 @@ fn analytic_noise_alone_rarely_shows_a_discrepancy_and_intervals_hold() {
     let (mut alarms, mut named, mut coverage) = (0, 0, Coverage::new(arm.beta.len()));
     for run in 0..100 {
         let observation = arm.observed(seed, run);
-        let problem = EstimationProblem::new(&observation).with_samples(&arm.samples);
+        let problem = EstimationProblem { samples: Some(&arm.samples), ..EstimationProblem::new(&observation) };
         let estimate = EstimatorKind::Wls.estimator().estimate(&problem).unwrap();
         alarms += usize::from(estimate.interval_basis == IntervalBasis::Discrepancy);
         named += usize::from(estimate.findings.iter().any(|finding| matches!(finding, Finding::LackOfFit { .. })));
@@ -75,7 +75,7 @@ fn analytic_intervals_hold_what_the_model_lacks() {
         let observation = arm.observed(seed, run);
         let problem = EstimationProblem::new(&observation);
         let wls = EstimatorKind::Wls.estimator();
-        let seen = wls.estimate(&problem.with_samples(&arm.samples)).unwrap();
+        let seen = wls.estimate(&EstimationProblem { samples: Some(&arm.samples), ..problem }).unwrap();
         assert_eq!(seen.interval_basis, IntervalBasis::Discrepancy);
         with.add(&seen, &arm.beta);
         // Without states no function of them is known: the residual stands for all.
@@ -100,12 +100,11 @@ fn analytic_intervals_cover_under_a_law_that_is_omitted_and_it_is_named() {
             let measured = arm.observed(seed, run);
             let plain = Observation { noise: None, periodic: false, periods: 1, ..measured.clone() };
             let observation = if periodic { measured } else { plain };
-            let equations = Factorisation::new(&observation).unwrap();
-            let omitted = omitted_torque(&arm.robot, &equations, &arm.samples).unwrap();
-            let equations = equations.with_omitted(omitted);
+            let mut equations = Factorisation::new(&observation).unwrap();
+            equations.omitted = omitted_torque(&arm.robot, &equations, &arm.samples).unwrap();
             let wls = EstimatorKind::Wls.estimator();
-            let problem = EstimationProblem::new(&observation).with_samples(&arm.samples);
-            let seen = wls.estimate(&problem.with_factorisation(&equations)).unwrap();
+            let problem = EstimationProblem { samples: Some(&arm.samples), ..EstimationProblem::new(&observation) };
+            let seen = wls.estimate(&EstimationProblem { factorisation: Some(&equations), ..problem }).unwrap();
             named += usize::from(seen.findings.iter().any(|finding| match finding {
                 Finding::EffectShown { effect, size, .. } => {
                     level == 0.0 || effect == "load-friction" && (0.02..0.1).contains(size)
@@ -149,7 +148,7 @@ fn analytic_a_misfit_is_found_in_its_joint_with_its_size_and_speed() {
     for (&row, added) in rows.iter().zip(&added) {
         observation.y[row] += added;
     }
-    let problem = EstimationProblem::new(&observation).with_samples(&arm.samples);
+    let problem = EstimationProblem { samples: Some(&arm.samples), ..EstimationProblem::new(&observation) };
     let estimate = EstimatorKind::Wls.estimator().estimate(&problem).unwrap();
     let found: Vec<_> =
         estimate.findings.iter().filter(|finding| matches!(finding, Finding::LackOfFit { .. })).collect();
@@ -189,7 +188,8 @@ fn analytic_intervals_of_robust_estimators_hold_what_the_model_lacks() {
         for run in 0..8 {
             let observation = arm.observed(seed, run);
             let problem = EstimationProblem::new(&observation);
-            let seen = kind.estimator().estimate(&problem.with_samples(&arm.samples)).unwrap();
+            let seen =
+                kind.estimator().estimate(&EstimationProblem { samples: Some(&arm.samples), ..problem }).unwrap();
             assert_eq!(seen.interval_basis, IntervalBasis::Discrepancy, "{}", kind.name());
             with.add(&seen, &arm.beta);
             let blind = kind.estimator().estimate(&problem).unwrap();
@@ -214,7 +214,7 @@ fn analytic_outliers_that_a_robust_estimator_gives_up_are_no_discrepancy() {
             for row in (0..observation.y.len()).skip(run as usize).step_by(97) {
                 observation.y[row] += 200.0 * arm.covariance[(row % 6, row % 6)].sqrt();
             }
-            let problem = EstimationProblem::new(&observation).with_samples(&arm.samples);
+            let problem = EstimationProblem { samples: Some(&arm.samples), ..EstimationProblem::new(&observation) };
             let estimate = kind.estimator().estimate(&problem).unwrap();
             alarms += usize::from(estimate.interval_basis == IntervalBasis::Discrepancy);
             coverage.add(&estimate, &arm.beta);

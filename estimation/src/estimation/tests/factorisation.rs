@@ -103,12 +103,14 @@ fn identity_neither_thread_nor_repetition_changes_a_bit_and_another_observation_
     for (k, q) in samples.states.q.iter_mut().enumerate() {
         *q += 1e-9 * libm::sin(17.0 * k as f64);
     }
-    let problem = EstimationProblem::new(&observation)
-        .with_nominal(&nominal)
-        .with_robot(&robot)
-        .with_samples(&samples)
-        .with_closed_loop(Ok(&stiff));
-    let shared = problem.with_factorisation(&equations);
+    let problem = EstimationProblem {
+        nominal: Some(&nominal),
+        robot: Some(&robot),
+        samples: Some(&samples),
+        closed_loop: Ok(&stiff),
+        ..EstimationProblem::new(&observation)
+    };
+    let shared = EstimationProblem { factorisation: Some(&equations), ..problem };
     for kind in EstimatorKind::ALL {
         let (own, other) = (kind.estimator().estimate(&problem).unwrap(), kind.estimator().estimate(&shared).unwrap());
         assert_eq!(own, other);
@@ -117,7 +119,7 @@ fn identity_neither_thread_nor_repetition_changes_a_bit_and_another_observation_
     let mut doubled = observation.clone();
     doubled.y *= 2.0;
     let mistaken = EstimationProblem { observation: &doubled, ..shared };
-    let own = EstimationProblem::new(&doubled).with_nominal(&nominal);
+    let own = EstimationProblem { nominal: Some(&nominal), ..EstimationProblem::new(&doubled) };
     let expected = EstimatorKind::Ols.estimator().estimate(&own).unwrap();
     assert_eq!(EstimatorKind::Ols.estimator().estimate(&mistaken).unwrap(), expected);
 }
@@ -133,18 +135,18 @@ fn analytic_an_ill_conditioned_recording_keeps_the_digits_that_normal_equations_
     observation.y = &observation.regressor * &beta;
     let equations = Factorisation::new(&observation).unwrap();
     assert!(equations.samples() < 100);
-    assert_eq!(equations.factorised_by(), FactorisedBy::Qr);
+    assert_eq!(equations.factorised_by, FactorisedBy::Qr);
     for fit in [
         equations.least_squares().unwrap().clone(),
         equations.weighted(&BlockWhitening::new(&nalgebra::dmatrix![0.04, 0.012; 0.012, 0.01]).unwrap()).unwrap(),
     ] {
         // 1e8 of 1e-16; the normal equations would lose 1e16.
         assert!((fit.solution() - &beta).amax() < 1e-6, "{:e}", (fit.solution() - &beta).amax());
-        assert!(fit.condition_scaled() > 1e8);
+        assert!(fit.condition_scaled > 1e8);
     }
     // With a thousandth of noise too: the condition number alone forbids products.
     observation.y.iter_mut().for_each(|y| *y += 1e-3 * rng.random_range(-1.0..1.0));
-    assert_eq!(Factorisation::new(&observation).unwrap().factorised_by(), FactorisedBy::Qr);
+    assert_eq!(Factorisation::new(&observation).unwrap().factorised_by, FactorisedBy::Qr);
 }
 
 #[test]
@@ -158,8 +160,8 @@ fn identity_products_move_no_estimate_by_more_than_was_bounded() {
         let (mut observation, mut rng) = (exact.clone(), Seed::new(54).stream("noise", 0));
         observation.y.iter_mut().for_each(|y| *y += size * rng.random_range(-1.0..1.0));
         let equations = Factorisation::new(&observation).unwrap();
-        by.push(equations.factorised_by());
-        if equations.factorised_by() == FactorisedBy::NormalEquations {
+        by.push(equations.factorised_by);
+        if equations.factorised_by == FactorisedBy::NormalEquations {
             let (ordinary, beta) = (equations.least_squares().unwrap(), &inverse * &observation.y);
             let residual = observation.residual(ordinary.solution());
             let found = equations.residual_products(ordinary.solution());

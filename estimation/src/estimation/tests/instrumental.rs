@@ -80,8 +80,9 @@ fn hinge(beta: [f64; 4]) -> (Observation, Samples, OneMotion) {
 
 fn estimate(kind: EstimatorKind, (observation, samples, one): &(Observation, Samples, OneMotion)) -> Estimate {
     let robot = hinges::single();
-    let problem = EstimationProblem::new(observation).with_robot(&robot).with_samples(samples);
-    kind.estimator().estimate(&problem.with_closed_loop(Ok(one))).unwrap()
+    let problem =
+        EstimationProblem { robot: Some(&robot), samples: Some(samples), ..EstimationProblem::new(observation) };
+    kind.estimator().estimate(&EstimationProblem { closed_loop: Ok(one), ..problem }).unwrap()
 }
 
 #[test]

@@ -44,8 +44,12 @@ fn analytic_coverage_of_every_estimator_on_the_a460() {
             }
             samples.noise = Some(NoiseModel::white(covariance.clone(), true, 1e9));
             let observation = Observation::new(&robot, &regressor, &base, &samples).unwrap();
-            let problem = EstimationProblem::new(&observation).with_robot(&robot).with_samples(&samples);
-            let problem = problem.with_nominal(&guess).with_closed_loop(Ok(&stiff));
+            let problem = EstimationProblem {
+                robot: Some(&robot),
+                samples: Some(&samples),
+                ..EstimationProblem::new(&observation)
+            };
+            let problem = EstimationProblem { nominal: Some(&guess), closed_loop: Ok(&stiff), ..problem };
             let estimate = kind.estimator().estimate(&problem).unwrap();
             assert!(estimate.termination.was_successful(), "{}: {:?}", kind.name(), estimate.termination);
             coverage.add(&estimate, &beta);
@@ -108,7 +112,8 @@ fn analytic_noise_of_the_motion_biases_weighted_and_not_total_least_squares() {
             ..Samples::exact(states, tau, vec!["N·m".to_owned(); dof], rate)
         };
         let observation = Observation::new(&robot, &regressor, &base, &samples).unwrap();
-        let problem = EstimationProblem::new(&observation).with_robot(&robot).with_samples(&samples);
+        let problem =
+            EstimationProblem { robot: Some(&robot), samples: Some(&samples), ..EstimationProblem::new(&observation) };
         for (kind, bias) in kinds.iter().zip(&mut bias) {
             let estimate = kind.estimator().estimate(&problem).unwrap();
             assert!(estimate.termination.was_successful(), "{}: {:?}", kind.name(), estimate.termination);

@@ -5,9 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::setting::{a460_samples_of, white};
 use crate::base::BaseReduction;
 use crate::estimation::StiffLoop;
-use crate::estimation::{
-    Estimate, EstimationError, EstimationProblem, EstimatorKind, Finding, Observation, ProblemPart,
-};
+use crate::estimation::{Estimate, EstimationError, EstimationProblem, EstimatorKind, Finding, Observation};
 use crate::model::term::VISCOUS;
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::seed::Seed;
@@ -56,8 +54,14 @@ impl Case {
     fn estimate_in(&self, kind: EstimatorKind, compliance: f64) -> Estimate {
         let (columns, states) = (Columns::RIGID_ROTOR_FRICTION, self.samples.states.clone());
         let stiff = StiffLoop::new(&self.robot, columns, &self.truth, self.truth.clone(), states, compliance);
-        let problem = EstimationProblem::new(&self.observation).with_robot(&self.robot).with_nominal(&self.truth);
-        kind.estimator().estimate(&problem.with_samples(&self.samples).with_closed_loop(Ok(&stiff))).unwrap()
+        let problem = EstimationProblem {
+            robot: Some(&self.robot),
+            nominal: Some(&self.truth),
+            ..EstimationProblem::new(&self.observation)
+        };
+        kind.estimator()
+            .estimate(&EstimationProblem { samples: Some(&self.samples), closed_loop: Ok(&stiff), ..problem })
+            .unwrap()
     }
 
     fn set(&self, estimate: &Estimate) -> StandardParameters {
@@ -157,14 +161,15 @@ fn the_exceptions_are_what_they_say() {
     // A prior in SI needs a nominal set.
     for kind in NEAR_A_PRIOR {
         let problem = EstimationProblem::new(&case.observation);
-        let expected = EstimationError::Missing { estimator: kind.name().to_owned(), part: ProblemPart::Nominal };
+        let expected =
+            EstimationError::Missing { estimator: kind.name().to_owned(), part: "a nominal set of parameters" };
         assert!(expected.to_string().contains("a nominal set of parameters"), "{expected}");
         assert_eq!(kind.estimator().estimate(&problem).unwrap_err(), expected);
         // Torque in mN·m weighs a thousand times against it: the estimate is not a thousand times as large.
         let mut scaled = case.observation.clone();
         scaled.y *= 1000.0;
         let own = case.estimate(kind).beta() * 1000.0;
-        let problem = EstimationProblem::new(&scaled).with_nominal(&case.truth);
+        let problem = EstimationProblem { nominal: Some(&case.truth), ..EstimationProblem::new(&scaled) };
         let other = kind.estimator().estimate(&problem).unwrap();
         assert!((other.beta() - own).component_div(&other.std()).amax() > 1e-6, "{}", kind.name());
     }

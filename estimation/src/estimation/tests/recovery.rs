@@ -39,8 +39,9 @@ fn identity_exact_states_give_the_base_parameters_of_the_a460() {
     let columns = regressor.columns();
     let stiff = StiffLoop::new(&robot, columns, &parameters, guess.clone(), samples.states.clone(), 1e-5);
     for kind in EstimatorKind::ALL {
-        let problem = EstimationProblem::new(&observation).with_robot(&robot).with_samples(&samples);
-        let problem = problem.with_nominal(&guess).with_closed_loop(Ok(&stiff));
+        let problem =
+            EstimationProblem { robot: Some(&robot), samples: Some(&samples), ..EstimationProblem::new(&observation) };
+        let problem = EstimationProblem { nominal: Some(&guess), closed_loop: Ok(&stiff), ..problem };
         let estimate = kind.estimator().estimate(&problem).unwrap();
         let error = (estimate.beta() - &beta).norm() / beta.norm();
         assert!(error < 1e-8, "{}: {error:e}", kind.name());

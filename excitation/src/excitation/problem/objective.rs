@@ -116,10 +116,8 @@ impl DesignObjective {
 
     /// Noise of each joint for the rows of the criterion: all 1 where it does not weight them.
     pub(crate) fn row_noise(&self, joints: usize) -> Vec<f64> {
-        match &self.noise {
-            Some(noise) if self.criterion.is_weighted() => noise.clone(),
-            _ => vec![1.0; joints],
-        }
+        let noise = self.noise.clone().filter(|_| self.criterion.is_weighted());
+        noise.unwrap_or_else(|| vec![1.0; joints])
     }
 
     /// This objective on the base of the joints that move in another space.

@@ -77,7 +77,7 @@ impl ActualArm {
     /// If the parameters are not those of as many drives as the robot has joints.
     pub fn new(effects: &Effects, robot: &Robot, truth: &StandardParameters) -> Self {
         assert_eq!(truth.drives.len(), robot.dof(), "one drive for each joint");
-        let seed = effects.seed();
+        let seed = effects.seed;
         let (mut actual, mut parameters) = (robot.clone(), truth.clone());
         if effects.has(Kind::Kinematics) {
             actual = kinematics::disturb(&actual, effects.magnitude(Kind::Kinematics), seed);
@@ -133,7 +133,7 @@ impl ActualArm {
     /// The error of each drive's gear.
     pub(super) fn transmission_errors(&self) -> Vec<TransmissionError> {
         let amplitude = 1e-3 * self.effects.magnitude(Kind::TransmissionError);
-        TransmissionError::of_motors(&turning(&self.robot), amplitude, self.effects.seed())
+        TransmissionError::of_motors(&turning(&self.robot), amplitude, self.effects.seed)
     }
 
     /// What bends along each joint that starts at rest at `start`; empty without cables.
@@ -257,7 +257,7 @@ impl ActualArm {
     pub(in crate::experiment) fn sensors(&self, rate_hz: f64) -> ActualSensors {
         let magnitude = |kind| self.effects.magnitude(kind);
         let joints = self.robot.joints();
-        let seed = self.effects.seed();
+        let seed = self.effects.seed;
         let (motor, joint) = (1e-3 * magnitude(Kind::MotorEccentricity), 1e-3 * magnitude(Kind::JointEccentricity));
         let offset = magnitude(Kind::AdcOffset);
         let signs = draw::signs(seed, "converter offsets", joints.len());

@@ -76,7 +76,7 @@ impl ActualDrives {
     fn new(arm: &ActualArm, transmission: &Transmission, per_ampere: &[f64], start: &[f64]) -> Self {
         let n = start.len();
         let magnitude = |kind| arm.effects.magnitude(kind);
-        let seed = arm.effects.seed();
+        let seed = arm.effects.seed;
         let ratings = arm.ratings();
         let geared: Vec<(f64, f64)> =
             arm.robot().joints().iter().zip(&ratings).map(|(joint, &rating)| (joint.drive.gear, rating)).collect();

@@ -32,7 +32,8 @@ const SEED: &str = "seed";
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effects {
     magnitudes: BTreeMap<EffectKind, f64>,
-    seed: Seed,
+    /// Which arm it is.
+    pub seed: Seed,
 }
 
 impl Default for Effects {
@@ -105,11 +106,6 @@ impl Effects {
     /// The effects that are there, with their magnitudes.
     pub fn iter(&self) -> impl Iterator<Item = (EffectKind, f64)> + '_ {
         self.magnitudes.iter().map(|(&kind, &magnitude)| (kind, magnitude))
-    }
-
-    /// Which arm it is.
-    pub const fn seed(&self) -> Seed {
-        self.seed
     }
 }
 

@@ -65,10 +65,8 @@ fn without_gripper(tree: &Tree<'_>, chain: Vec<usize>) -> Vec<usize> {
         Connection::Moving(joint) => follows(&joint.name),
         Connection::Fixed | Connection::Unsupported(..) => false,
     };
-    match chain.iter().rposition(|b| !of_gripper(b)) {
-        Some(last) => chain[..=last].to_vec(),
-        None => chain,
-    }
+    let last = chain.iter().rposition(|b| !of_gripper(b));
+    last.map_or(&chain[..], |last| &chain[..=last]).to_vec()
 }
 
 /// The first few of many, and how many more there are.

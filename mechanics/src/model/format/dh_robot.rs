@@ -90,12 +90,10 @@ pub(super) fn read_dh_robot(text: &str) -> Result<Robot, FormatError> {
     let obstacles = read_obstacles(check, file.floor.as_ref(), &file.obstacle)?;
     let may_touch = file.may_touch.iter().map(|table| read_touch(check, table, &names)).collect::<Result<_, _>>()?;
     let points = read_points(check, &file.point, &|link| link_index(check, link, &names))?;
+    let gravity = file.gravity_m_s2.as_ref();
     let spec = RobotSpec {
         name: file.name,
-        gravity: match &file.gravity_m_s2 {
-            Some(row) => check.vector("gravity_m_s2", row)?,
-            None => Vector3::from(STANDARD_GRAVITY),
-        },
+        gravity: gravity.map_or(Ok(Vector3::from(STANDARD_GRAVITY)), |row| check.vector("gravity_m_s2", row))?,
         base: file.base.as_ref().map_or(Ok(Placement::identity()), |table| read_base(check, table))?,
         joints,
         coupling: file.coupling.as_ref().map(|table| read_coupling(check, table, tables.len())).transpose()?,

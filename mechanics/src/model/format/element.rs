@@ -70,7 +70,7 @@ impl<'a> Element<'a> {
         self.check.fault(self.span(), message)
     }
 
-    pub(super) fn elements(&self) -> impl Iterator<Item = Element<'a>> {
+    pub(super) fn elements(&self) -> impl Iterator<Item = Element<'a>> + use<'a> {
         let check = self.check;
         self.node.children().filter(Node::is_element).map(move |node| Element { node, check })
     }
@@ -98,10 +98,8 @@ impl<'a> Element<'a> {
     }
 
     pub(super) fn required(&self, key: &str) -> Result<Attribute<'a, 'a>, FormatError> {
-        match self.attribute(key) {
-            Some(attribute) => Ok(attribute),
-            None => self.fault(format!("<{}> has no attribute {key}, expected one", self.tag())),
-        }
+        let missing = || self.fault(format!("<{}> has no attribute {key}, expected one", self.tag()));
+        self.attribute(key).map_or_else(missing, Ok)
     }
 
     /// Exactly `N` finite numbers of one attribute.

@@ -68,12 +68,8 @@ pub(super) fn read_tree<'a>(root: Element<'a>, settings: &Settings<'a>) -> Resul
     let (bodies, geoms) = (reader.bodies, reader.geoms);
     let not_held = || format!("shapes of an MJCF are not read, and no clearance is held against them: {geoms} × geom");
     let remarks = (geoms > 0).then(not_held).into_iter().collect();
-    let mut rotors = Vec::new();
-    for tendons in root.all("tendon") {
-        for tendon in tendons.elements() {
-            rotors.extend(coupled_rotor(tendon)?);
-        }
-    }
+    let tendons = root.all("tendon").flat_map(|tendons| tendons.elements());
+    let rotors = tendons.filter_map(|tendon| coupled_rotor(tendon).transpose()).collect::<Result<_, _>>()?;
     let name = root.attribute("model").map_or("unnamed", |name| name.value()).to_owned();
     Ok(Tree {
         check: root.check,
@@ -139,15 +135,12 @@ impl<'a> BodyReader<'_, 'a> {
 
     fn body(&mut self, element: Element<'a>, parent: usize, class: Option<&'a str>) -> Result<(), FormatError> {
         let index = self.bodies.len();
-        if let Err(fault) = LINKS.check_count("number of bodies", index) {
-            return element.fault(fault.to_string());
-        }
+        LINKS.check_count("number of bodies", index).or_else(|fault| element.fault(fault.to_string()))?;
         let name = element.attribute("name").map_or_else(|| format!("body{index}"), |name| name.value().to_owned());
         let class = element.attribute("childclass").map(|class| class.value()).or(class);
         if let Some(flag) = element.attribute("mocap").filter(|flag| flag.value() == "true") {
-            return element
-                .check
-                .fault(flag.range(), format!("body \"{name}\" is a mocap body, which is not supported"));
+            let message = format!("body \"{name}\" is a mocap body, which is not supported");
+            return element.check.fault(flag.range(), message);
         }
         if element.number("gravcomp")?.is_some_and(|share| share != 0.0) {
             return element.fault(format!("body \"{name}\" has a gravcomp other than 0, which is not supported"));
@@ -245,10 +238,7 @@ impl JointReader<'_, '_> {
             return self.fault("actuatorgravcomp", message);
         }
         let position = Vector3::from(self.numbers::<3>("pos")?.unwrap_or([0.0; 3]));
-        let axis = match self.attributes.get("axis") {
-            Some(axis) => self.joint.direction_of(axis)?,
-            None => Vector3::z(),
-        };
+        let axis = self.attributes.get("axis").map_or(Ok(Vector3::z()), |axis| self.joint.direction_of(axis))?;
         let not_negative = |key| match self.numbers::<1>(key)? {
             Some([value]) if value < 0.0 => {
                 self.fault(key, format!("{key} is {value}, expected a number not below zero"))

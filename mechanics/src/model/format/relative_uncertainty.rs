@@ -8,7 +8,7 @@ use toml::Spanned;
 
 use super::error::FormatError;
 use super::reading::{Check, Number};
-use crate::model::columns::distinct;
+use crate::model::distinct;
 use crate::model::term::Term;
 
 /// How far the truth may be from a guess: one standard deviation per group of parameters.
@@ -51,10 +51,8 @@ impl UncertaintyTable {
             let found = self.0.iter().find(|(own, _)| own.get_ref() == key);
             found.map(|(_, number)| check.not_negative(key, number)).transpose()
         };
-        let needed = |key: &str| match stated(key)? {
-            Some(value) => Ok(value),
-            None => check.fault(at.clone(), format!("missing field `{key}`")),
-        };
+        let missing = |key: &str| check.fault(at.clone(), format!("missing field `{key}`"));
+        let needed = |key: &str| stated(key)?.map_or_else(|| missing(key), Ok);
         let mut terms = BTreeMap::new();
         for term in Term::ALL {
             let prior = term.entry().prior;

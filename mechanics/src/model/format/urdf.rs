@@ -70,9 +70,7 @@ pub(super) fn read_tree<'a>(root: Element<'a>, text: &str, nearly: NearlyRight) 
         return root.fault("the file is a xacro template, expected a URDF; `xacro FILE > arm.urdf` makes one");
     }
     let links: Vec<Element<'_>> = root.all("link").collect();
-    if let Err(fault) = LINKS.check_count("number of links", links.len()) {
-        return root.fault(fault.to_string());
-    }
+    LINKS.check_count("number of links", links.len()).or_else(|fault| root.fault(fault.to_string()))?;
     let mut names: Vec<&str> = Vec::with_capacity(links.len());
     for link in &links {
         let name = link.required("name")?;
@@ -316,20 +314,12 @@ fn read_snapped_origin(element: Element<'_>, nearly: NearlyRight) -> Result<(Pla
 /// The inertia of a link in its own frame; zero where the file gives none.
 pub(super) fn read_inertial(link: Element<'_>) -> Result<Inertia, FormatError> {
     let Some(inertial) = link.only("inertial")? else { return Ok(Inertia::zero()) };
-    let required = |tag: &'static str| match inertial.only(tag)? {
-        Some(element) => Ok(element),
-        None => inertial.fault(format!("<inertial> has no <{tag}>, expected one")),
-    };
+    let missing = |tag: &str| inertial.fault(format!("<inertial> has no <{tag}>, expected one"));
+    let required = |tag: &'static str| inertial.only(tag)?.map_or_else(|| missing(tag), Ok);
     let mass = required("mass")?.number_not_below_zero("value")?;
-    let i = required("inertia")?;
-    let [xx, xy, xz, yy, yz, zz] = [
-        i.required_number("ixx")?,
-        i.required_number("ixy")?,
-        i.required_number("ixz")?,
-        i.required_number("iyy")?,
-        i.required_number("iyz")?,
-        i.required_number("izz")?,
-    ];
+    let inertia = required("inertia")?;
+    let i = |key: &str| inertia.required_number(key);
+    let [xx, xy, xz, yy, yz, zz] = [i("ixx")?, i("ixy")?, i("ixz")?, i("iyy")?, i("iyz")?, i("izz")?];
     let about_com =
         Inertia { mass, first_moment: Vector3::zeros(), rotational: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz) };
     Ok(moved(&about_com, &read_origin(inertial)?))

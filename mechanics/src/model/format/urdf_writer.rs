@@ -127,23 +127,14 @@ fn write_joint(
 }
 
 fn write_link(out: &mut String, name: &str, link: &Inertia, visuals: &str) {
-    let com = link.com().unwrap_or_default();
-    let i = link.about_com();
+    let [x, y, z]: [f64; 3] = link.com().unwrap_or_default().into();
+    let (mass, i) = (link.mass, link.about_com());
+    let [xx, xy, xz, yy, yz, zz] = [i.m11, i.m12, i.m13, i.m22, i.m23, i.m33];
     let _ = write!(
         out,
-        "  <link name=\"{name}\">\n    <inertial>\n      <origin xyz=\"{:?} {:?} {:?}\" rpy=\"0 0 0\"/>\n      \
-         <mass value=\"{:?}\"/>\n      <inertia ixx=\"{:?}\" ixy=\"{:?}\" ixz=\"{:?}\" iyy=\"{:?}\" iyz=\"{:?}\" \
-         izz=\"{:?}\"/>\n    </inertial>\n{visuals}  </link>\n",
-        com.x,
-        com.y,
-        com.z,
-        link.mass,
-        i[(0, 0)],
-        i[(0, 1)],
-        i[(0, 2)],
-        i[(1, 1)],
-        i[(1, 2)],
-        i[(2, 2)]
+        "  <link name=\"{name}\">\n    <inertial>\n      <origin xyz=\"{x:?} {y:?} {z:?}\" rpy=\"0 0 0\"/>\n      \
+         <mass value=\"{mass:?}\"/>\n      <inertia ixx=\"{xx:?}\" ixy=\"{xy:?}\" ixz=\"{xz:?}\" iyy=\"{yy:?}\" \
+         iyz=\"{yz:?}\" izz=\"{zz:?}\"/>\n    </inertial>\n{visuals}  </link>\n"
     );
 }
 
