@@ -78,7 +78,8 @@ impl EffectLevels {
         let plan = &result.plan;
         let engine = plan.engines.first();
         let parts = result.conditions.iter().filter(|part| Some(&part.condition.engine) == engine);
-        let sized: Vec<_> = parts.map(|part| (part, Size::of(&plan.effects.overridden_by(&part.condition.effects)))).collect();
+        let sized: Vec<_> =
+            parts.map(|part| (part, Size::of(&plan.effects.overridden_by(&part.condition.effects)))).collect();
         let kinds = sized.iter().filter_map(|(_, size)| Some(&size.as_ref()?.kinds[..]));
         let kinds = distinct(kinds.filter(|kinds| !kinds.is_empty()));
         let Some(estimator) = plan.identification.estimators.last() else { return Vec::new() };
