@@ -39,8 +39,7 @@ pub(crate) fn text(robot: &Robot, settings: &GuardSettings, place: &str, snapsho
         let _ = writeln!(text, "fault         {fault}");
     }
     let effort = if robot.effort() == EffortInterface::Current { "current" } else { "effort" };
-    let headings = format!("joint | #position | #soft limits | #hard limits | #{effort} | #of clamp | ");
-    let mut table = Table::of(&headings);
+    let mut table = Table::of(&format!("joint | #position | #soft limits | #hard limits | #{effort} | #of clamp | "));
     let bounds = JointBounds::of_robot(robot, settings);
     for (j, (joint, bounds)) in robot.joints().iter().zip(&bounds).enumerate() {
         table.row(joint_row(joint, bounds, j, snapshot));

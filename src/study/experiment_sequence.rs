@@ -56,15 +56,8 @@ impl StudySetup {
     /// The information of experiments with these designs, per torque row of one more of the same length; `None` of none.
     pub(super) fn collected(&self, designs: &[StudyDesign]) -> Result<Option<DMatrix<f64>>, StudyError> {
         let problem = self.problem(CriterionKind::DOptimal.into(), 1)?;
-        let mut sum: Option<DMatrix<f64>> = None;
-        for design in designs {
-            let m = problem.information(&design.trajectory)?;
-            sum = Some(match sum {
-                Some(sum) => sum + m,
-                None => m,
-            });
-        }
-        Ok(sum)
+        let all = designs.iter().map(|design| problem.information(&design.trajectory));
+        Ok(all.collect::<Result<Vec<DMatrix<f64>>, _>>()?.into_iter().reduce(|sum, m| sum + m))
     }
 
     /// Cramér–Rao standard deviations after all experiments of a sequence, from the exact motion of one period of each.
@@ -98,13 +91,11 @@ impl StudySetup {
             failure,
             estimates,
         };
-        let mut sequence = Vec::new();
-        for experiment in performed {
-            match self.processed(experiment) {
-                Ok(samples) => sequence.push(samples),
-                Err(failure) => return outcome(Some(failure), Vec::new()),
-            }
-        }
+        let sequence = performed.into_iter().map(|experiment| self.processed(experiment));
+        let sequence: Vec<_> = match sequence.collect() {
+            Ok(sequence) => sequence,
+            Err(failure) => return outcome(Some(failure), Vec::new()),
+        };
         if let [only] = &sequence[..] {
             return outcome(None, self.scored(only, truth, measured, observer));
         }

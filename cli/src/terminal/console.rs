@@ -32,10 +32,7 @@ impl Console {
 
     /// The file or folder that `-o` names, links followed.
     pub(crate) fn output(&self) -> Option<&Path> {
-        match &self.destination {
-            Some(Destination::File(path)) => Some(path),
-            Some(Destination::StandardOutput) | None => None,
-        }
+        self.destination.as_ref()?.path()
     }
 
     /// The file or folder that `-o` names, or another place where there is no `-o`.

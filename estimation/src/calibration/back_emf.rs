@@ -98,11 +98,8 @@ pub fn back_emf(
     let estimated = resistance == Resistance::Estimated;
     let columns = if estimated { 4 } else { 3 };
     if windows.len() < 4 * columns {
-        return Err(CalibrationError::Unfit {
-            quantity: "windows of 50 ms with a current that is not near zero",
-            found: windows.len().to_string(),
-            expected: "at least 16; drive the joint longer",
-        });
+        let quantity = "windows of 50 ms with a current that is not near zero";
+        return Err(CalibrationError::unfit(quantity, windows.len(), "at least 16; drive the joint longer"));
     }
     let known = match resistance {
         Resistance::Estimated => 0.0,
@@ -160,23 +157,22 @@ struct MeanPeriod {
 
 impl MeanPeriod {
     fn new(recording: &Recording, robot: &Robot, joint: usize) -> Result<Self, CalibrationError> {
-        let unfit = |quantity, found: String, expected| Err(CalibrationError::Unfit { quantity, found, expected });
         let n = recording.dof;
         if robot.dof() != n || joint >= n {
-            return unfit("joint", (joint + 1).to_string(), "one that robot and recording have");
+            return Err(CalibrationError::unfit("joint", joint + 1, "one that robot and recording have"));
         }
         if recording.effort_unit != EffortInterface::Current {
-            return unfit("effort", recording.effort_unit.name().to_owned(), "motor currents");
+            return Err(CalibrationError::unfit("effort", recording.effort_unit.name(), "motor currents"));
         }
         if robot.joints()[joint].kind != JointKind::Revolute {
-            return unfit("joint", "a sliding one".to_owned(), "a motor whose speed is in rad/s");
+            return Err(CalibrationError::unfit("joint", "a sliding one", "a motor whose speed is in rad/s"));
         }
         if recording.voltage.len() != recording.len() * n {
             return Err(CalibrationError::NoVoltage);
         }
         let periods = recording.periods();
         if periods == 0 {
-            return unfit("recorded periods", "none".to_owned(), "at least one");
+            return Err(CalibrationError::unfit("recorded periods", "none", "at least one"));
         }
         let transmission = Transmission::new(robot);
         let samples = recording.period_samples;

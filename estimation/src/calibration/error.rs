@@ -19,3 +19,10 @@ pub enum CalibrationError {
     #[error("the motion does not separate {parameter} from the others: {fault}")]
     NotExcited { parameter: &'static str, fault: LeastSquaresError },
 }
+
+impl CalibrationError {
+    /// Where a recording does not have what a calibration needs.
+    pub(super) fn unfit(quantity: &'static str, found: impl ToString, expected: &'static str) -> Self {
+        Self::Unfit { quantity, found: found.to_string(), expected }
+    }
+}

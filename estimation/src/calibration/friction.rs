@@ -59,20 +59,23 @@ pub struct Friction {
 /// # Errors
 /// [`CalibrationError`] where the recording is of another motion, or has fewer than two periods or two speeds.
 pub fn friction(recording: &Recording, robot: &Robot, joint: usize) -> Result<Friction, CalibrationError> {
-    let unfit = |quantity, found: String, expected| CalibrationError::Unfit { quantity, found, expected };
     let PeriodicTrajectory::ConstantSpeed(motion) = &recording.trajectory else {
-        return Err(unfit("trajectory", "another motion".to_owned(), "segments at constant speed"));
+        return Err(CalibrationError::unfit("trajectory", "another motion", "segments at constant speed"));
     };
     if robot.dof() != recording.dof || joint >= recording.dof {
-        return Err(unfit("joint", (joint + 1).to_string(), "one that robot and recording have"));
+        return Err(CalibrationError::unfit("joint", joint + 1, "one that robot and recording have"));
     }
     let periods = recording.periods();
     if periods < 2 {
-        return Err(unfit("recorded periods", periods.to_string(), "at least two, whose scatter shows the noise"));
+        return Err(CalibrationError::unfit(
+            "recorded periods",
+            periods,
+            "at least two, whose scatter shows the noise",
+        ));
     }
     let pairs = pairs(motion, joint, recording.rate_hz);
     if pairs.len() < 2 {
-        return Err(unfit("speeds there and back", pairs.len().to_string(), "at least two"));
+        return Err(CalibrationError::unfit("speeds there and back", pairs.len(), "at least two"));
     }
     let map = torque_map(robot, recording.effort_unit);
     let n = recording.dof;

@@ -101,18 +101,12 @@ pub fn known_load(
 ) -> Result<KnownLoads, CalibrationError> {
     let n = robot.dof();
     if without.dof() != n || with.dof() != n {
-        return Err(CalibrationError::Unfit {
-            quantity: "samples",
-            found: format!("of {} and {} joints", without.dof(), with.dof()),
-            expected: "samples of the robot",
-        });
+        let found = format!("of {} and {} joints", without.dof(), with.dof());
+        return Err(CalibrationError::unfit("samples", found, "samples of the robot"));
     }
     if let Some(joint) = (0..n).find(|&joint| robot.is_coupled(joint)) {
-        return Err(CalibrationError::Unfit {
-            quantity: "motors",
-            found: format!("joint \"{}\" is driven by several", robot.joints()[joint].name),
-            expected: "one motor for each joint; use the back-EMF",
-        });
+        let found = format!("joint \"{}\" is driven by several", robot.joints()[joint].name);
+        return Err(CalibrationError::unfit("motors", found, "one motor for each joint; use the back-EMF"));
     }
     let regressor = JointTorqueRegressor::new(robot, Columns::RIGID_ROTOR_FRICTION).expect("columns of motion");
     let parts = [Part::new(&regressor, without, 0.0), Part::new(&regressor, with, 1.0)];

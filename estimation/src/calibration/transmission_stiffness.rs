@@ -110,22 +110,15 @@ pub fn transmission_stiffness(
 ) -> Result<Vec<TransmissionStiffness>, CalibrationError> {
     let n = robot.dof();
     let Some(links) = &samples.link_q else {
-        return Err(CalibrationError::Unfit {
-            quantity: "positions of the links",
-            found: "none".to_owned(),
-            expected: "one for each joint and sample beside that of its motor",
-        });
+        let expected = "one for each joint and sample beside that of its motor";
+        return Err(CalibrationError::unfit("positions of the links", "none", expected));
     };
     for (quantity, found) in [
         ("joints of the samples", samples.dof()),
         ("modelled torques of a sample", modelled.len() / samples.len().max(1)),
     ] {
         if found != n {
-            return Err(CalibrationError::Unfit {
-                quantity,
-                found: found.to_string(),
-                expected: "as many as the robot has joints",
-            });
+            return Err(CalibrationError::unfit(quantity, found, "as many as the robot has joints"));
         }
     }
     (0..n).map(|motor| Motor::new(robot, samples, links, modelled, motor).stiffness(robot)).collect()

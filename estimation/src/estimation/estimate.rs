@@ -188,10 +188,8 @@ impl Estimate {
             let name = id.to_string();
             self.base.iter().find(|of| of.name == name).map_or(0.0, |of| of.value)
         };
-        let links: Vec<f64> = match regressor.needs_load() {
-            true => regressor.parameters()[..10 * robot.dof()].iter().map(value).collect(),
-            false => Vec::new(),
-        };
+        let count = if regressor.needs_load() { 10 * robot.dof() } else { 0 };
+        let links: Vec<f64> = regressor.parameters()[..count].iter().map(value).collect();
         Ok(regressor.with_links(&links))
     }
 

@@ -93,10 +93,8 @@ fn at_rest(
         let step = found.fit.solution() - &beta;
         let torque = &observation.regressor * &step;
         let size = torque.norm() / plain.y.norm().max(f64::MIN_POSITIVE);
-        let white = match found.weights {
-            Some(weights) => observation.white(&weights, &torque)?.norm(),
-            None => f64::INFINITY,
-        };
+        let white = |of| observation.white(&of, &torque).map(|white| white.norm());
+        let white = found.weights.map_or(Ok(f64::INFINITY), white)?;
         change = white / (base.rank().max(1) as f64).sqrt();
         if change <= rest || size <= ROUNDING {
             return Ok(beta + step);

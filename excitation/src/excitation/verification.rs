@@ -185,10 +185,8 @@ fn exceeded(robot: &Robot, worst: &WorstCases) -> Result<(), VerificationError> 
             t: case.t,
         });
     }
-    match &worst.clearance {
-        Some(nearest) if nearest.distance_m < 0.0 => Err(VerificationError::Contact(nearest.clone())),
-        _ => Ok(()),
-    }
+    let touching = worst.clearance.as_ref().filter(|nearest| nearest.distance_m < 0.0);
+    touching.map_or(Ok(()), |nearest| Err(VerificationError::Contact(nearest.clone())))
 }
 
 /// The use of torque and current that the certificate states must be what is found: else it is of other parameters. The

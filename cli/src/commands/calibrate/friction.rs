@@ -41,8 +41,7 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         "effort_unit": kind.effort_unit(),
         "speed_unit": format!("{}/s", kind.unit()),
     });
-    let figure = figure(&found, &bench);
-    bench.write(&json, &figure)?;
+    bench.write(&json, &figure(&found, &bench))?;
     console.show(&Answer { text: format!("{}\n{}", text(&found, &bench), bench.list()), json })?;
     Ok(Ending::Done)
 }

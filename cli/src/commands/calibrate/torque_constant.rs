@@ -64,8 +64,7 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         "periods": found.periods,
         "entry": entry,
     });
-    let figure = figure(&found, &bench);
-    bench.write(&json, &figure)?;
+    bench.write(&json, &figure(&found, &bench))?;
     let text = format!("{}\nentry for robot.toml\n{entry}\n{}", text(&found, &bench, assumed), bench.list());
     console.show(&Answer { text, json })?;
     Ok(Ending::Done)

@@ -15,7 +15,7 @@
 use nalgebra::DVector;
 
 use super::newton::{DataTerm, Ending, Minimum, STEPS, minimise, project, unconstrained};
-use super::prior::{NEAREST, Prior, Weights};
+use super::prior::{NEAREST, Prior};
 use super::region::Region;
 use crate::estimation::termination::Termination;
 
@@ -187,15 +187,11 @@ impl Way<'_> {
         PathEnd { termination: Termination::Optimal { iterations, gap }, ..end }
     }
 
-    fn minimise(&mut self, phi: DVector<f64>, lambda: f64, enough: f64, steps: usize) -> Minimum {
-        let weights = self.weights(lambda);
-        let minimum = minimise(phi, self.region, self.data, self.prior, weights, enough, steps);
+    fn minimise(&mut self, phi: DVector<f64>, lambda: f64, enough: (f64, usize)) -> Minimum {
+        let prior = (self.prior, self.prior.weights(lambda));
+        let minimum = minimise(phi, self.region, self.data, prior, enough);
         self.iterations += minimum.iterations;
         minimum
-    }
-
-    const fn weights(&self, lambda: f64) -> Weights {
-        self.prior.weights(lambda)
     }
 
     /// f, with a prior that is zero at the guess.

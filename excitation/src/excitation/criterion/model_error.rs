@@ -27,46 +27,33 @@ use super::prediction::{Carried, Prediction};
 #[derive(Clone, Debug, Default)]
 pub struct ModelError {
     prediction: Option<Prediction>,
-    torque: PredictedTorque,
-}
-
-/// Which torque the estimate is to predict.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum PredictedTorque {
-    /// That of the arm without its effects, which are of the declared size.
-    #[default]
-    WithoutEffects,
-    /// What the arm with its effects measures, whose size is not known.
-    Measured,
-}
-
-impl PredictedTorque {
-    /// Sizes of an effect, as shares of the declared one, of which each counts alike.
-    ///
-    /// Below a hundredth the noise of most experiments hides an effect, as the scenario without effects does.
-    const fn levels(self) -> &'static [f64] {
-        match self {
-            Self::WithoutEffects => &[1.0],
-            Self::Measured => &[0.01, 0.1, 1.0],
-        }
-    }
+    /// Whether the torque to predict is what the arm with its effects measures, whose size is not known. Else it is that of the arm without its
+    /// effects, which are of the declared size.
+    measured: bool,
 }
 
 impl ModelError {
     /// The error of these predictions.
     pub const fn new(prediction: Prediction) -> Self {
-        Self { prediction: Some(prediction), torque: PredictedTorque::WithoutEffects }
+        Self { prediction: Some(prediction), measured: false }
     }
 
     /// The error of the torque that the arm with its effects measures, over several sizes of each effect.
     pub const fn of_measured_torque() -> Self {
-        Self { prediction: None, torque: PredictedTorque::Measured }
+        Self { prediction: None, measured: true }
+    }
+
+    /// Sizes of an effect, as shares of the declared one, of which each counts alike.
+    ///
+    /// Below a hundredth the noise of most experiments hides an effect, as the scenario without effects does.
+    const fn levels(&self) -> &'static [f64] {
+        if self.measured { &[0.01, 0.1, 1.0] } else { &[1.0] }
     }
 
     /// J of every scenario, N·m: without effects first, then under each that is expected, at each of its sizes; empty where
     /// M is not positive definite.
     pub fn errors(&self, m: &DMatrix<f64>, moments: &DMatrix<f64>) -> Vec<f64> {
-        let levels = self.torque.levels();
+        let levels = self.levels();
         let parts = Parts::new(self.prediction.as_ref(), m, moments);
         let roots = |parts: Parts<'_>| parts.scenarios(levels).into_iter().map(f64::sqrt).collect();
         parts.map_or_else(Vec::new, roots)
@@ -131,10 +118,7 @@ impl<'a> Parts<'a> {
 
 impl Criterion for ModelError {
     fn name(&self) -> &'static str {
-        match self.torque {
-            PredictedTorque::WithoutEffects => "model-error",
-            PredictedTorque::Measured => "measured-torque",
-        }
+        if self.measured { "measured-torque" } else { "model-error" }
     }
 
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
@@ -158,7 +142,7 @@ impl Criterion for ModelError {
             }
             return Score::exact(f64::INFINITY);
         };
-        let levels = self.torque.levels();
+        let levels = self.levels();
         let scenarios = parts.scenarios(levels);
         let share = 0.5 / scenarios.len() as f64;
         let value = scenarios.iter().map(|square| share * libm::log(*square)).sum();
@@ -192,7 +176,7 @@ impl Criterion for ModelError {
     }
 
     fn for_prediction(&self, prediction: Prediction) -> Option<Box<dyn Criterion>> {
-        Some(Box::new(Self { prediction: Some(prediction), torque: self.torque }))
+        Some(Box::new(Self { prediction: Some(prediction), ..*self }))
     }
 
     fn expects_effects(&self) -> bool {
@@ -200,7 +184,7 @@ impl Criterion for ModelError {
     }
 
     fn predicts_measured_torque(&self) -> bool {
-        self.torque == PredictedTorque::Measured
+        self.measured
     }
 }
 

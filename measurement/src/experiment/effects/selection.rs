@@ -205,8 +205,7 @@ impl<'de> Visitor<'de> for Table {
             match key {
                 Key::Seed => effects.seed = map.next_value()?,
                 Key::Effect(kind) => {
-                    let magnitude = map.next_value_seed(Magnitude(kind))?;
-                    effects = effects.with_effect(kind, magnitude);
+                    effects = effects.with_effect(kind, map.next_value_seed(Magnitude(kind))?);
                 }
             }
         }

@@ -23,17 +23,14 @@ impl Tree<'_> {
                 arm.tip
             }
         };
+        let [from, to] = [base, tip].map(|b| &self.bodies[b].name);
+        let fault = |message| self.check.fault(self.at.clone(), message);
         if !self.path(tip).contains(&base) {
-            let (base, tip) = (&self.bodies[base].name, &self.bodies[tip].name);
-            return self
-                .check
-                .fault(self.at.clone(), format!("\"{tip}\" does not hang on \"{base}\", expected a tip that does"));
+            return fault(format!("\"{to}\" does not hang on \"{from}\", expected a tip that does"));
         }
         let moving = self.moving(base, tip);
         if moving.is_empty() {
-            let (base, tip) = (&self.bodies[base].name, &self.bodies[tip].name);
-            let message = format!("no joint moves between \"{base}\" and \"{tip}\", expected at least one");
-            return self.check.fault(self.at.clone(), message);
+            return fault(format!("no joint moves between \"{from}\" and \"{to}\", expected at least one"));
         }
         self.remark_right_angles(base, tip);
         Ok((base, moving))
