@@ -187,9 +187,9 @@ impl Way<'_> {
         PathEnd { termination: Termination::Optimal { iterations, gap }, ..end }
     }
 
-    fn minimise(&mut self, phi: DVector<f64>, lambda: f64, enough: (f64, usize)) -> Minimum {
-        let prior = (self.prior, self.prior.weights(lambda));
-        let minimum = minimise(phi, self.region, self.data, prior, enough);
+    fn minimise(&mut self, phi: DVector<f64>, lambda: f64, enough: f64, steps: usize) -> Minimum {
+        let weights = self.prior.weights(lambda);
+        let minimum = minimise(phi, self.region, self.data, self.prior, weights, enough, steps);
         self.iterations += minimum.iterations;
         minimum
     }
