@@ -224,11 +224,8 @@ mod tests {
     #[test]
     fn effects_that_grow_together_have_the_share_of_their_levels() {
         let both = |elasticity, hysteresis| {
-            Size::of(
-                &Effects::none()
-                    .with_effect(EffectKind::Elasticity, elasticity)
-                    .with_effect(EffectKind::Hysteresis, hysteresis),
-            )
+            let effects = Effects::none().with_effect(EffectKind::Elasticity, elasticity);
+            Size::of(&effects.with_effect(EffectKind::Hysteresis, hysteresis))
         };
         let size = both(0.5, 0.075).unwrap();
         assert!((size.value - 0.25).abs() < 1e-12 && size.kinds.len() == 2);

@@ -91,11 +91,8 @@ impl StudySetup {
     /// A design against its limits, with the torque of the nominal parameters.
     pub fn limit_example(&self, index: usize, design: &StudyDesign) -> LimitExample {
         let family = self.plan.designs[design.family].name.clone();
-        LimitExample {
-            family,
-            design: index,
-            ..LimitExample::new(&self.robot, Some(&self.nominal), &design.trajectory)
-        }
+        let example = LimitExample::new(&self.robot, Some(&self.nominal), &design.trajectory);
+        LimitExample { family, design: index, ..example }
     }
 
     /// Measured torque of a validation experiment beside what an estimate of `design` predicts for its states.

@@ -187,11 +187,8 @@ mod tests {
         let (release, go) = channel();
         drop(release);
         let mut disk = Disk { go, room: 3, indices: Vec::new() };
-        let (stopped, taken) = with_sink_thread(
-            &mut disk,
-            || false,
-            |sink| (0..10_000_000).any(|index| sink.sample(&sample(index)).ends()),
-        );
+        let work = |sink: &mut dyn Sink| (0..10_000_000).any(|index| sink.sample(&sample(index)).ends());
+        let (stopped, taken) = with_sink_thread(&mut disk, || false, work);
         assert!(stopped && taken.is_err_and(|error| error.message().contains("panicked")));
     }
 }

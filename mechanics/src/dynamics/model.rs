@@ -142,12 +142,8 @@ impl Dynamics {
     fn inverse_of_links(&mut self, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
         self.turns.take(&self.chain.joints, q);
         let (turns, carried) = (&self.turns, &mut self.carried);
-        inverse::efforts(
-            &self.chain,
-            carried,
-            |i| ([q[i], qd[i], qdd[i]], turns.sin_cos(i)),
-            |i, effort| tau[i] = effort,
-        );
+        let motion = |i: usize| ([q[i], qd[i], qdd[i]], turns.sin_cos(i));
+        inverse::efforts(&self.chain, carried, motion, |i, effort| tau[i] = effort);
     }
 
     /// Adds the terms to the torque `tau` that the links take.

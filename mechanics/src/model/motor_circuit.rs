@@ -1,7 +1,5 @@
 //! The electrical side of a brushed DC motor.
 
-use crate::statistics::Interval;
-
 /// The circuit of one motor's armature.
 ///
 /// ```text
@@ -47,26 +45,26 @@ impl MotorCircuit {
     }
 
     /// The steady currents, A, that the supply can drive at a speed of the shaft (rad/s).
-    pub fn current_limits(&self, speed: f64) -> Interval {
+    pub fn current_limits(&self, speed: f64) -> crate::statistics::Interval {
         let most = |side: f64| {
             let left = side * self.supply - self.back_emf * speed;
             // The brushes take their drop from what is left.
             let behind = if left.abs() > self.brush_drop { left - self.brush_drop.copysign(left) } else { 0.0 };
             behind / self.resistance
         };
-        Interval { low: most(-1.0), high: most(1.0) }
+        crate::statistics::Interval { low: most(-1.0), high: most(1.0) }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Interval, MotorCircuit};
+    use super::MotorCircuit;
 
     #[test]
     fn identity_limits_are_the_currents_that_need_the_whole_supply() {
         let motor = MotorCircuit { resistance: 2.0, inductance: 1e-3, back_emf: 0.1, brush_drop: 1.5, supply: 40.0 };
         for speed in [-300.0, -20.0, 0.0, 20.0, 300.0] {
-            let Interval { low, high } = motor.current_limits(speed);
+            let crate::statistics::Interval { low, high } = motor.current_limits(speed);
             assert!(low < 0.0 && high > 0.0);
             assert!((motor.voltage(high, 0.0, speed) - 40.0).abs() < 1e-9);
             assert!((motor.voltage(low, 0.0, speed) + 40.0).abs() < 1e-9);

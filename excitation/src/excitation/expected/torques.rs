@@ -295,10 +295,7 @@ mod tests {
         let effect = |name: &str, law| ExpectedEffect { name: name.to_owned(), law };
         let compliance = DMatrix::from_fn(n, n, |i, j| 1e-3 * if i == j { 1.0 } else { 0.1 });
         vec![
-            effect(
-                "terms",
-                EffectLaw::Terms(vec![DriveParameters::from_iter([(LOAD_FRICTION, 0.05), (STRIBECK, 0.4)]); n]),
-            ),
+            effect("terms", EffectLaw::Terms(vec![[(LOAD_FRICTION, 0.05), (STRIBECK, 0.4)].into_iter().collect(); n])),
             effect("elastic", EffectLaw::Elastic { compliance, with_link: (0..n).map(|i| i == 1).collect() }),
             effect("late", EffectLaw::Late(2e-3)),
             effect("scaled", EffectLaw::Scaled(0.03)),

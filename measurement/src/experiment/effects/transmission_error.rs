@@ -113,10 +113,8 @@ mod tests {
         let mean = f64::from(count);
         assert!((part(1.0) / mean / (0.5 * amplitude * amplitude) - 1.0).abs() < 1e-10);
         assert!((part(-1.0) / mean / (0.125 * amplitude * amplitude) - 1.0).abs() < 1e-10);
-        assert_eq!(
-            TransmissionError::of_motors(&[(gear, false)], amplitude, Seed::new(2))[0].lead(0.3),
-            Lead::default()
-        );
+        let sliding = &TransmissionError::of_motors(&[(gear, false)], amplitude, Seed::new(2))[0];
+        assert_eq!(sliding.lead(0.3), Lead::default());
     }
 
     #[test]
