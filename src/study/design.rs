@@ -147,7 +147,7 @@ impl StudySetup {
             }
             DesignMethod::TableOne => {
                 let trajectory = table_one::corrected().into();
-                let certificate = Certificate::of(&self.problem(CriterionKind::Condition.into(), 1)?, &trajectory)?;
+                let certificate = Certificate::new(&self.problem(CriterionKind::Condition.into(), 1)?, &trajectory)?;
                 Ok(StudyDesign {
                     family,
                     start,
@@ -207,7 +207,7 @@ impl StudySetup {
         evaluations: usize,
     ) -> Result<DesignProblem, ExcitationError> {
         let sigma = (0..self.robot.dof()).map(|j| self.noise[(j, j)].sqrt()).collect();
-        let limits = DesignLimits { nominal: Some(self.nominal.clone()), ..DesignLimits::of_motion() };
+        let limits = DesignLimits { nominal: Some(self.nominal.clone()), ..DesignLimits::motion() };
         let mut problem = DesignProblem::new(self.robot.clone(), self.regressor.columns(), criterion, limits)?;
         let experiment = &self.plan.experiment;
         let harmonics = vec![experiment.harmonics; self.robot.dof()];

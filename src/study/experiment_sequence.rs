@@ -19,7 +19,7 @@ use super::plan::StudyPlan;
 use super::plan_error::{StudyPlanError, family_name, number};
 use super::run_error::RunError;
 use super::run_id::RunId;
-use super::setup::StudySetup;
+use super::setup::{PlannedDesign, StudySetup};
 use crate::dynamics::States;
 use crate::estimation::{Estimate, EstimationError, pool};
 use crate::excitation::CriterionKind;
@@ -45,8 +45,8 @@ impl StudySetup {
     /// Indices of the designs from the first experiment of a sequence to design `index` itself: those of one start.
     pub fn sequence(&self, index: usize) -> Vec<usize> {
         let designs = self.designs();
-        let (family, start) = designs[index];
-        let of = |family: usize| designs.iter().position(|&design| design == (family, start));
+        let PlannedDesign { family, start } = designs[index];
+        let of = |family: usize| designs.iter().position(|&design| design == PlannedDesign { family, start });
         self.families_of_sequence(family).into_iter().filter_map(of).collect()
     }
 

@@ -104,7 +104,8 @@ impl StudySetup {
         provenance: Provenance,
         designs: Vec<StudyDesign>,
         bounds: Vec<Vec<f64>>,
-        (conditions, effect_sensitivity): (Vec<ConditionResult>, Option<EffectSensitivity>),
+        conditions: Vec<ConditionResult>,
+        effect_sensitivity: Option<EffectSensitivity>,
         radkhah2007: Option<Reproduction>,
     ) -> StudyResult {
         let (truth, units) = (&self.scorer.truths[0], &self.scorer.units);

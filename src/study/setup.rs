@@ -44,6 +44,15 @@ use crate::seed::RunNoise;
 use crate::signal::{Derivatives, Processing, Samples, process};
 use crate::trajectory::PeriodicTrajectory;
 
+/// A design that a study plans.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PlannedDesign {
+    /// Its family, from zero.
+    pub family: usize,
+    /// Its start within the family, from zero.
+    pub start: usize,
+}
+
 /// A study that is ready to run.
 #[derive(Debug)]
 pub struct StudySetup {
@@ -126,7 +135,7 @@ impl StudySetup {
         })
     }
 
-    /// With what makes the closed loop of an experiment, for estimators that simulate.
+    /// Adds what makes the closed loop of an experiment, for estimators that simulate.
     #[must_use]
     pub fn with_closed_loops(self, factory: ClosedLoopFactory) -> Self {
         Self { closed_loops: Some(factory), ..self }
@@ -137,10 +146,10 @@ impl StudySetup {
         &self.truths[self.plan.truth_of(run)]
     }
 
-    /// Every design of the plan as (family, start), in the order in which designs are numbered.
-    pub fn designs(&self) -> Vec<(usize, usize)> {
+    /// Every design of the plan, in the order in which designs are numbered.
+    pub fn designs(&self) -> Vec<PlannedDesign> {
         let families = self.plan.designs.iter().enumerate();
-        families.flat_map(|(family, plan)| (0..plan.starts).map(move |start| (family, start))).collect()
+        families.flat_map(|(family, plan)| (0..plan.starts).map(move |start| PlannedDesign { family, start })).collect()
     }
 
     /// The experiment that performs a trajectory.
@@ -156,7 +165,7 @@ impl StudySetup {
 
     /// The order of all runs.
     pub fn run_order(&self) -> RunOrder {
-        let runs = self.designs().into_iter().map(|(family, _)| self.plan.runs_of(family)).collect();
+        let runs = self.designs().iter().map(|design| self.plan.runs_of(design.family)).collect();
         RunOrder::new(runs, self.plan.conditions().len())
     }
 
@@ -167,7 +176,7 @@ impl StudySetup {
 
     /// The random numbers of one run: the same under every condition, and what the plan's [`VarianceReduction`] makes of them.
     pub fn noise_of(&self, design: usize, run: u64) -> RunNoise {
-        let (family, start) = self.designs()[design];
+        let PlannedDesign { family, start } = self.designs()[design];
         let before = self.plan.designs[..family].iter().map(|family| family.of_starts.unwrap_or(family.starts));
         let common = self.plan.reduces_variance(VarianceReduction::CommonNoise);
         let index = if common { start } else { before.sum::<usize>() + start };

@@ -80,7 +80,7 @@ fn clean() -> (Robot, Recording) {
     (robot, recording)
 }
 
-/// The same recording through encoders of 400 000 counts, and meters with 20 mA and 50 mV of white noise.
+/// A recording through encoders of 400 000 counts, and meters with 20 mA and 50 mV of white noise.
 fn noisy(clean: &Recording, run: u64) -> Recording {
     let mut rng = Seed::new(71).stream("calibration", run);
     let step = std::f64::consts::TAU / 400_000.0;

@@ -71,11 +71,11 @@ fn recorded(
             transmission.joint_motion(&motors, &mut joints);
             joints
         };
-        let q = joints(&|m| of_motors[m].0[k]);
-        let qd = joints(&|m| of_motors[m].1[k]);
-        let qdd = joints(&|m| of_motors[m].2[k]);
+        let q = joints(&|m| of_motors[m].q[k]);
+        let qd = joints(&|m| of_motors[m].qd[k]);
+        let qdd = joints(&|m| of_motors[m].qdd[k]);
         let motor = |m: usize| {
-            let (speed, acceleration) = (of_motors[m].1[k], of_motors[m].2[k]);
+            let (speed, acceleration) = (of_motors[m].qd[k], of_motors[m].qdd[k]);
             let turn = robot.joints()[m].drive.coulomb_velocity;
             ROTOR * acceleration + 3.0 * speed + 4.0 * smooth_sign(speed, turn) + 1.5 + load[k * n + m]
         };

@@ -39,7 +39,7 @@ const HARMONICS: usize = 5;
 /// # use armid_excitation as armid;
 /// use armid::chains::planar_2r;
 /// use armid::excitation::EvaluationMotions;
-/// let motions = EvaluationMotions::usual(&planar_2r()).unwrap();
+/// let motions = EvaluationMotions::default_for(&planar_2r()).unwrap();
 /// assert_eq!(motions.motions().len(), 20);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +64,7 @@ impl EvaluationMotions {
     ///
     /// # Errors
     /// [`ExcitationError`] if the robot has no joint.
-    pub fn usual(robot: &Robot) -> Result<Self, ExcitationError> {
+    pub fn default_for(robot: &Robot) -> Result<Self, ExcitationError> {
         let seed = Seed::new(0).child("evaluation motions", 0);
         let mut motions = Vec::new();
         for index in 0..MOTIONS {
@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn identity_frozen_joints_stand_still_and_others_move_as_before() {
-        let motions = EvaluationMotions::usual(&chains::planar_2r()).unwrap();
+        let motions = EvaluationMotions::default_for(&chains::planar_2r()).unwrap();
         let free = motions.motions()[0].sample(5);
         let held = held(free.clone(), &[None, Some(0.25)]);
         for k in 0..5 {

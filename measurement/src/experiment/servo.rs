@@ -171,7 +171,7 @@ impl<P: Plant> Servo<P> {
     /// [`ArmError::Plan`] where the plan cannot be performed.
     pub fn recording(&self, plan: &ExperimentPlan, seed: Seed) -> Result<Recording, ArmError> {
         let layout = plan.check(self.robot.dof())?;
-        Ok(Recording::begun(&self.robot, &self.robot_text, plan, &layout, Some(seed)))
+        Ok(Recording::empty(&self.robot, &self.robot_text, plan, &layout, Some(seed)))
     }
 
     /// The servo's part of an experiment for each run, for callers that step the plants themselves.
@@ -282,7 +282,7 @@ mod tests {
         for robot in [hinges::single(), hinges::coupled()] {
             let n = robot.dof();
             let mut servo = servo(&robot).with_sensing(Sensing::ideal());
-            let robot = robot.changed(|spec| spec.effort = EffortInterface::Torque).unwrap();
+            let robot = robot.with_spec(|spec| spec.effort = EffortInterface::Torque).unwrap();
             let mut servo_torque = Servo { robot: robot.clone(), ..servo.clone() };
             let (mut q, mut tau) = (Vec::new(), Vec::new());
             let mut recording = record(&mut servo_torque, &plan(n)).unwrap().0;
@@ -341,7 +341,7 @@ mod tests {
         let robot = hinges::single();
         let tuned = |rate_hz| {
             let tuning = ServoTuning { rate_hz, ..ServoTuning::ASSUMED };
-            servo(&robot.clone().changed(|spec| spec.servo = Some(tuning)).unwrap())
+            servo(&robot.clone().with_spec(|spec| spec.servo = Some(tuning)).unwrap())
         };
         let slow = tuned(1500.0);
         assert!(matches!(slow.cycle(&plan(1)), Err(ArmError::Rate { .. })));

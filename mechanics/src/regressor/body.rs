@@ -64,9 +64,9 @@ impl Weights {
 }
 
 impl<V: Lane> BodyRegressor<V> {
-    /// For bodies with spatial velocity `v` and acceleration `a`, each in its own frame.
+    /// The regressors of bodies with spatial velocity `v` and acceleration `a`, each in its own frame.
     #[inline(always)]
-    pub fn of(v: &LaneMotion<V>, a: &LaneMotion<V>) -> Self {
+    pub fn in_lanes(v: &LaneMotion<V>, a: &LaneMotion<V>) -> Self {
         let ([x, y, z], [dx, dy, dz]) = (v.ang, a.ang);
         let (xx, yy, zz) = (x * x, y * y, z * z);
         let (xy, xz, yz) = (x * y, x * z, y * z);
@@ -129,10 +129,10 @@ impl<V: Lane> BodyRegressor<V> {
 }
 
 impl BodyRegressor {
-    /// For a body with spatial velocity `v` and acceleration `a`, in its own frame.
+    /// The regressor of a body with spatial velocity `v` and acceleration `a`, in its own frame.
     #[inline]
     pub fn new(v: &Motion, a: &Motion) -> Self {
-        Self::of(&v.into(), &a.into())
+        Self::in_lanes(&v.into(), &a.into())
     }
 
     /// `K φ`: the wrench on a body with these ten parameters.

@@ -85,7 +85,7 @@ fn recorded(seed: u64, (robot, truth): (&Robot, &StandardParameters), lags: [f64
 }
 
 fn selected(robot: &Robot, samples: &Samples) -> Selection {
-    let candidates = candidate_terms().into_iter().fold(Columns::RIGID, Columns::with);
+    let candidates = candidate_terms().into_iter().fold(Columns::RIGID, Columns::with_term);
     select(|columns| Identification::new(robot, columns), samples, &[], candidates).unwrap()
 }
 

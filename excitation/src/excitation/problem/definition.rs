@@ -28,7 +28,7 @@ use crate::trajectory::{Family, PeriodicTrajectory, Timeline};
 /// use armid::excitation::{CriterionKind, DesignBudget, DesignLimits, DesignProblem};
 /// use armid::model::{Columns, bundled, format::parse_robot};
 /// let robot = parse_robot(bundled()[0].robot).unwrap();
-/// let limits = DesignLimits::of_motion();
+/// let limits = DesignLimits::motion();
 /// let mut problem = DesignProblem::new(robot, Columns::RIGID_ROTOR_FRICTION, CriterionKind::Condition, limits).unwrap();
 /// assert_eq!(problem.base().rank(), 58);
 /// assert_eq!((problem.space().period_s, problem.space().harmonics[0]), (10.0, 5));
@@ -63,7 +63,7 @@ const SAMPLES_PER_HARMONIC: usize = 4;
 
 impl DesignProblem {
     /// `radkhah2007`'s setting for a criterion of the list or from outside: period 10 s, five harmonics. Of the robot's limits it
-    /// holds those that [`DesignLimits::of`] or [`DesignLimits::of_motion`] chose.
+    /// holds those that [`DesignLimits::for_robot`] or [`DesignLimits::motion`] chose.
     ///
     /// # Errors
     /// [`ExcitationError::Base`] if the base parameters cannot be found; as [`Self::set_limits`].
@@ -161,7 +161,7 @@ impl DesignProblem {
         Ok(())
     }
 
-    /// Judges predictions on these motions, in place of [`EvaluationMotions::usual`]; for the criteria that ask what the
+    /// Judges predictions on these motions, in place of [`EvaluationMotions::default_for`]; for the criteria that ask what the
     /// estimate is for.
     ///
     /// # Errors
@@ -312,7 +312,7 @@ impl DesignProblem {
     pub fn payload_use(&self, trajectory: &PeriodicTrajectory) -> Option<WorstEfforts> {
         let (mut model, timeline) = (self.payload_efforts()?, self.timeline(trajectory.period_s()));
         let samples = self.budget.certificate_samples;
-        Some(WorstEfforts::of(&mut model, &Channel::all(&self.robot), trajectory, timeline, samples))
+        Some(WorstEfforts::compute(&mut model, &Channel::all(&self.robot), trajectory, timeline, samples))
     }
 }
 
@@ -324,7 +324,7 @@ mod tests {
 
     fn problem(family: Family, evaluations: usize) -> DesignProblem {
         let mut problem =
-            DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::DOptimal, DesignLimits::of_motion())
+            DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::DOptimal, DesignLimits::motion())
                 .unwrap();
         problem.set_space(DesignSpace::new(family, 10.0, vec![5, 5, 5, 3, 3, 3])).unwrap();
         problem.objective.samples = 60;
@@ -355,13 +355,9 @@ mod tests {
     #[test]
     fn identity_a_frozen_joint_stands_still_and_the_rest_is_excited() {
         let robot = chains::crs_a460();
-        let mut problem = DesignProblem::new(
-            robot,
-            Columns::RIGID_ROTOR_FRICTION,
-            CriterionKind::DOptimal,
-            DesignLimits::of_motion(),
-        )
-        .unwrap();
+        let mut problem =
+            DesignProblem::new(robot, Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal, DesignLimits::motion())
+                .unwrap();
         problem.objective.samples = 60;
         problem.set_budget(DesignBudget { evaluations: 40, ..DesignBudget::default() }).unwrap();
         let all = problem.base().rank();

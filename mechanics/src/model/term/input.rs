@@ -80,7 +80,7 @@ impl TermBlock<'_> {
     /// # Panics
     /// If there is no such entry.
     #[inline(always)]
-    pub fn at(&self, k: usize) -> TermInput<f64> {
+    pub fn entry(&self, k: usize) -> TermInput<f64> {
         TermInput {
             q: self.q[k],
             qd: self.qd[k],
