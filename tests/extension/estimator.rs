@@ -122,7 +122,7 @@ impl Estimator for Instruments {
         let solution = &inverse * z.tr_mul(&observation.y);
         let identity = DMatrix::identity(inverse.nrows(), inverse.nrows());
         let factors = [inverse, identity];
-        let fit = LeastSquares::from_factors(solution, factors, plain.condition, plain.condition_scaled)?;
+        let fit = LeastSquares::from_factors(solution, factors, plain.condition(), plain.condition_scaled())?;
         let noise = scatter_noise(observation)
             .unwrap_or_else(|| residual_noise(observation, &observation.residual(fit.solution())));
         Inference {

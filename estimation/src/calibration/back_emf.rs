@@ -135,7 +135,7 @@ pub fn back_emf(
         inductance,
         brush_drop: drop,
         residual_rms: (residual.norm_squared() / windows.len() as f64).sqrt(),
-        condition_scaled: fit.condition_scaled,
+        condition_scaled: fit.condition_scaled(),
         periods: recording.periods(),
         points: points.collect(),
     })

@@ -10,6 +10,11 @@ const WORTH_FACTORING: usize = 2;
 /// Groups of more samples than this many times their columns are worth the check of what products of the columns lose.
 const WORTH_PRODUCTS: usize = 16;
 
+/// Entries of column j in the rows of joint i, from a matrix whose rows are `dof` joints of each sample.
+pub(super) fn joint_entries(w: &DMatrix<f64>, dof: usize, i: usize, j: usize) -> impl Iterator<Item = f64> {
+    w.as_slice()[j * w.nrows()..(j + 1) * w.nrows()].iter().skip(i).step_by(dof).copied()
+}
+
 /// The columns of the joints of a group that are not zero, joint by joint, each with its torque last.
 pub(super) struct Entries<'a> {
     /// Joint and column of each; the torque's column is b.

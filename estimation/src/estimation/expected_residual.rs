@@ -4,18 +4,21 @@
 //! r = (1 − W G) ε,  G = A⁻¹ Bᵀ        cov r = C − W G C − (W G C)ᵀ + W (cov β̂) Wᵀ
 //! ```
 //! Not simply the noise of that joint: in an ordinary fit the noise of a strong joint moves parameters that act
-//! on a quiet joint. Only the diagonal and its neighbours in time are needed, summed over each joint's equations; columns are taken a few
-//! at a time, so that nothing of the size of W is made.
+//! on a quiet joint. Only the diagonal and its neighbours in time are needed, summed over each joint's equations. Columns are taken a few
+//! at a time, so that nothing of the size of W is made but the entries of W that are not zero.
+
+use std::ops::Range;
 
 use nalgebra::DMatrix;
 
+use super::entries::joint_entries;
 use super::error::EstimationError;
 use super::instruments::COLUMNS;
 use super::instruments::Instruments;
 use super::observation::Observation;
 use super::problem::EstimationProblem;
 use crate::linalg::LeastSquares;
-use crate::linalg::product::add_product;
+use crate::linalg::product::{product, transposed_product};
 use crate::signal::NoiseModel;
 
 /// RMS and neighbour correlation of the residual that noise alone would leave, n each.
@@ -34,75 +37,83 @@ impl ExpectedResidual {
         covariance: &DMatrix<f64>,
     ) -> Result<Self, EstimationError> {
         let observation = problem.observation;
-        let (n, rows) = (observation.dof, observation.y.len());
-        let mut sums = NeighbourSums::new(observation);
+        let n = observation.dof;
+        let mut joints: Vec<JointSums> = (0..n).map(|i| JointSums::new(observation, i)).collect();
         let inverse = fit.inverse_information();
         let operator = noise.operator(observation.samples());
         for first in (0..inverse.ncols()).step_by(COLUMNS) {
             let range = first..(first + COLUMNS).min(inverse.ncols());
             let spread = operator.apply(&instruments.columns(observation, range.clone())?);
-            let gain = fitted(observation, &inverse.columns_range(range.clone()).into_owned());
-            sums.add(&gain, &spread, -1.0);
-            sums.add(&spread, &gain, -1.0);
-            let part = fitted(observation, &covariance.columns_range(range.clone()).into_owned());
-            sums.add(&part, &observation.regressor.columns_range(range).into_owned(), 1.0);
-        }
-        for row in 0..rows {
-            let i = row % n;
-            if observation.used[row] {
-                let own = noise.covariance()[(i, i)];
-                sums.power[i] += own;
-                if row + n < rows && observation.used[row + n] {
-                    sums.neighbours[i] += own * noise.correlation(i, 1);
-                }
+            for (i, sums) in joints.iter_mut().enumerate() {
+                let of_joint = |j: usize| with_end(observation, i, joint_entries(&spread, n, i, j));
+                let spread: Vec<f64> = (0..range.len()).flat_map(of_joint).collect();
+                let gain = sums.fitted(&inverse, range.clone());
+                sums.add(gain.as_slice(), &spread, -1.0);
+                sums.add(&spread, gain.as_slice(), -1.0);
+                sums.add_covariance(covariance, range.clone());
             }
         }
-        let counts = (0..n).map(|i| observation.used.iter().skip(i).step_by(n).filter(|used| **used).count().max(1));
-        let correlation = |(&power, neighbours): (&f64, &f64)| if power > 0.0 { neighbours / power } else { 0.0 };
+        for (i, sums) in joints.iter_mut().enumerate() {
+            let used: Vec<bool> = observation.used.iter().skip(i).step_by(n).copied().collect();
+            let pairs = used.windows(2).filter(|pair| pair[0] && pair[1]).count();
+            let (own, count) = (noise.covariance()[(i, i)], used.iter().filter(|used| **used).count());
+            sums.count = count.max(1);
+            sums.power += own * count as f64;
+            sums.neighbours += own * noise.correlation(i, 1) * pairs as f64;
+        }
+        let correlation = |of: &JointSums| if of.power > 0.0 { of.neighbours / of.power } else { 0.0 };
         Ok(Self {
-            rms: sums.power.iter().zip(counts).map(|(p, count)| (p.max(0.0) / count as f64).sqrt()).collect(),
-            correlation: sums.power.iter().zip(&sums.neighbours).map(correlation).collect(),
+            rms: joints.iter().map(|of| (of.power.max(0.0) / of.count as f64).sqrt()).collect(),
+            correlation: joints.iter().map(correlation).collect(),
         })
     }
 }
 
-/// W x for a few columns x (b × few).
-fn fitted(observation: &Observation, x: &DMatrix<f64>) -> DMatrix<f64> {
-    let rows = observation.y.len();
-    let mut out = DMatrix::zeros(rows, x.ncols());
-    add_product(observation.regressor.as_slice(), x.as_slice(), rows, out.as_mut_slice());
-    out
+/// Entries of a joint, zero where they are no equation, and a zero behind the last.
+fn with_end(observation: &Observation, joint: usize, entries: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
+    let used = observation.used.iter().skip(joint).step_by(observation.dof);
+    entries.zip(used).map(|(entry, used)| if *used { entry } else { 0.0 }).chain([0.0])
 }
 
-/// Sums over the equations of each joint of products of an equation's numbers with its own and with those of the next sample.
-struct NeighbourSums<'a> {
-    observation: &'a Observation,
-    power: Vec<f64>,
-    neighbours: Vec<f64>,
+/// The equations of one joint, and sums over them of products of an equation's numbers with its own and with those of the next.
+struct JointSums {
+    /// Columns that act on the joint, ascending.
+    columns: Vec<usize>,
+    /// Their entries, (M + 1) × as many: the zero behind the last is its neighbour.
+    rows: DMatrix<f64>,
+    count: usize,
+    power: f64,
+    neighbours: f64,
 }
 
-impl<'a> NeighbourSums<'a> {
-    fn new(observation: &'a Observation) -> Self {
-        let n = observation.dof;
-        Self { observation, power: vec![0.0; n], neighbours: vec![0.0; n] }
+impl JointSums {
+    fn new(observation: &Observation, joint: usize) -> Self {
+        let entries = |j: usize| joint_entries(&observation.regressor, observation.dof, joint, j);
+        let columns: Vec<usize> =
+            (0..observation.regressor.ncols()).filter(|&j| entries(j).any(|entry| entry != 0.0)).collect();
+        let rows = columns.iter().flat_map(|&j| with_end(observation, joint, entries(j)));
+        let rows = DMatrix::from_iterator(observation.samples() + 1, columns.len(), rows);
+        Self { columns, rows, count: 1, power: 0.0, neighbours: 0.0 }
     }
 
-    /// Adds `sign Σ a_row b_row` and `sign Σ a_row b_next` of two matrices of n·M rows.
-    fn add(&mut self, a: &DMatrix<f64>, b: &DMatrix<f64>, sign: f64) {
-        let (n, used) = (self.observation.dof, &self.observation.used);
-        for (a, b) in a.column_iter().zip(b.column_iter()) {
-            let (a, b) = (a.as_slice(), b.as_slice());
-            for i in 0..n {
-                let (mut own, mut next) = (0.0, 0.0);
-                for row in (i..used.len()).step_by(n).filter(|&row| used[row]) {
-                    own += a[row] * b[row];
-                    if row + n < used.len() && used[row + n] {
-                        next += a[row] * b[row + n];
-                    }
-                }
-                self.power[i] += sign * own;
-                self.neighbours[i] += sign * next;
-            }
-        }
+    /// `W_i X` for a few columns of X, b × b.
+    fn fitted(&self, x: &DMatrix<f64>, range: Range<usize>) -> DMatrix<f64> {
+        product(&self.rows, &x.columns_range(range).select_rows(&self.columns))
+    }
+
+    /// Adds `W_i (cov β̂) W_iᵀ`, as far as a few of its columns go.
+    fn add_covariance(&mut self, covariance: &DMatrix<f64>, range: Range<usize>) {
+        let own = self.columns.partition_point(|&j| j < range.start)..self.columns.partition_point(|&j| j < range.end);
+        let part = covariance.select_columns(&self.columns[own.clone()]);
+        let (part, rows) = (self.fitted(&part, 0..own.len()), self.rows.columns_range(own).into_owned());
+        self.add(part.as_slice(), rows.as_slice(), 1.0);
+    }
+
+    /// Adds `sign Σ a_k b_k` and `sign Σ a_k b_k+1` over columns that end with a zero.
+    fn add(&mut self, a: &[f64], b: &[f64], sign: f64) {
+        let Some(before_last) = a.len().checked_sub(1) else { return };
+        let sum = |a: &[f64], b: &[f64]| transposed_product(a, b, a.len())[(0, 0)];
+        self.power += sign * sum(a, b);
+        self.neighbours += sign * sum(&a[..before_last], &b[1..]);
     }
 }

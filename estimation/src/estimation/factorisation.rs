@@ -29,11 +29,12 @@ use serde::{Deserialize, Serialize};
 use super::discrepancy::Discrepancy;
 use super::entries::Entries;
 use super::error::EstimationError;
+use super::joint_products::JointProducts;
 use super::observation::Observation;
 use super::omitted::OmittedTorque;
 use super::residual::{ResidualScale, scatter_noise};
 use crate::linalg::product::add_product;
-use crate::linalg::{BlockWhitening, LeastSquares, LeastSquaresError, RowFactor, transpose_product};
+use crate::linalg::{BlockWhitening, LeastSquares, LeastSquaresError, RowFactor, product};
 use crate::signal::Samples;
 
 /// Standard deviations by which rounding of products may move an estimate, and share by which it may move a residual's squares.
@@ -75,6 +76,7 @@ pub struct Factorisation<'a> {
     /// The method that condensed the equations.
     pub factorised_by: FactorisedBy,
     ordinary: OnceLock<Result<LeastSquares, EstimationError>>,
+    by_scatter: OnceLock<Result<Option<(BlockWhitening, LeastSquares)>, EstimationError>>,
     discrepancy: OnceLock<Result<Option<Discrepancy>, EstimationError>>,
     /// The torque of laws that the model omits, which the intervals of all its estimates include; `None` where it was not looked for.
     pub(super) omitted: Option<OmittedTorque>,
@@ -86,6 +88,8 @@ struct SampleGroup {
     used: Vec<bool>,
     /// Equations and torque, (n · samples) × (b + 1), sample by sample as in an observation.
     rows: DMatrix<f64>,
+    /// Of the equations, found once.
+    products: OnceLock<JointProducts>,
 }
 
 impl<'a> Factorisation<'a> {
@@ -114,8 +118,7 @@ impl<'a> Factorisation<'a> {
         let groups: Vec<SampleGroup> = patterns
             .iter()
             .map(|(used, samples)| {
-                let rows = Entries::of(observation, used, samples).rows_by_reflections();
-                SampleGroup { used: used.clone(), rows }
+                SampleGroup::new(used, Entries::of(observation, used, samples).rows_by_reflections())
             })
             .collect();
         // A number that is not finite is in the factor too.
@@ -134,6 +137,7 @@ impl<'a> Factorisation<'a> {
             groups,
             factorised_by,
             ordinary: OnceLock::new(),
+            by_scatter: OnceLock::new(),
             discrepancy: OnceLock::new(),
             omitted: None,
         }
@@ -148,7 +152,7 @@ impl<'a> Factorisation<'a> {
         let groups = patterns
             .iter()
             .zip(&entries)
-            .map(|((used, _), entries)| Some(SampleGroup { used: used.clone(), rows: entries.rows_by_products()? }));
+            .map(|((used, _), entries)| Some(SampleGroup::new(used, entries.rows_by_products()?)));
         let found = Self::of(observation, groups.collect::<Option<_>>()?, FactorisedBy::NormalEquations);
         let errors = |entries: &Entries<'_>| entries.rounding_errors();
         let errors = entries.iter().map(errors).fold(0.0, f64::max);
@@ -175,8 +179,8 @@ impl<'a> Factorisation<'a> {
             of_residual = f64::max(of_residual, squares / products[(i, i)]);
         }
         let weights = BlockWhitening::new(&weights).ok()?;
-        let by_weights = self.weighted(&weights).ok()?.condition_scaled * weighted.sqrt();
-        let by_none = ordinary.condition_scaled * (all / least).sqrt();
+        let by_weights = self.weighted(&weights).ok()?.condition_scaled() * weighted.sqrt();
+        let by_none = ordinary.condition_scaled() * (all / least).sqrt();
         let of_estimates = (b as f64).sqrt() * by_weights.max(by_none);
         Some(errors * f64::EPSILON * of_estimates.max(of_residual)).filter(|harm| harm.is_finite())
     }
@@ -212,19 +216,29 @@ impl<'a> Factorisation<'a> {
         self.ordinary.get_or_init(|| self.solve(|group| Ok(group.rows.clone()))).as_ref().map_err(Clone::clone)
     }
 
+    /// Least squares weighted with the scatter over periods, found once, and its weights; `None` where there is none.
+    ///
+    /// # Errors
+    /// As [`Self::weighted`].
+    pub(super) fn by_scatter(&self) -> Result<Option<&(BlockWhitening, LeastSquares)>, EstimationError> {
+        let found = self.by_scatter.get_or_init(|| {
+            let Some(noise) = scatter_noise(self.observation) else { return Ok(None) };
+            let weights = BlockWhitening::new(noise.covariance())?;
+            let fit = self.weighted(&weights)?;
+            Ok(Some((weights, fit)))
+        });
+        found.as_ref().map(Option::as_ref).map_err(Clone::clone)
+    }
+
     /// What the samples that the equations were made from show of a torque that the model lacks, found once for all estimators;
     /// `None` where they show nothing, and where there is no scatter over periods to compare with. Loads are those of the weighted
     /// fit.
     pub(super) fn discrepancy(&self, samples: &Samples) -> Result<Option<&Discrepancy>, EstimationError> {
         let found = self.discrepancy.get_or_init(|| {
             let Some(noise) = scatter_noise(self.observation) else { return Ok(None) };
-            // A joint without noise has no weight; loads of the ordinary fit do as well.
-            let beta = match BlockWhitening::new(noise.covariance()) {
-                Ok(weights) => self.weighted(&weights)?.solution().clone(),
-                Err(_) => self.least_squares()?.solution().clone(),
-            };
+            let Some((_, fit)) = self.by_scatter()? else { return Ok(None) };
             let laws = self.omitted.as_ref().map(OmittedTorque::supported);
-            Ok(Discrepancy::found(self.observation, samples, &noise, beta.as_slice(), laws.as_ref()))
+            Ok(Discrepancy::found(self.observation, samples, &noise, fit.solution().as_slice(), laws.as_ref()))
         });
         found.as_ref().map(Option::as_ref).map_err(Clone::clone)
     }
@@ -294,18 +308,14 @@ impl<'a> Factorisation<'a> {
         let (n, b) = (self.observation.dof, self.observation.regressor.ncols());
         let mut sum = DMatrix::zeros(b, b);
         for group in &self.groups {
-            let mut rows = group.rows.columns(0, b).into_owned();
-            if let Some(weights) = weights {
-                rows = weights.clone().precision(&rows, &group.marks())?;
-            }
-            let mut spread = rows.clone();
-            for sample in spread.as_mut_slice().chunks_exact_mut(n) {
-                let of: Vec<f64> = sample.to_vec();
-                for (i, out) in sample.iter_mut().enumerate() {
-                    *out = of.iter().enumerate().fold(0.0, |sum, (j, &value)| sum + covariance[(i, j)] * value);
+            let products = group.products.get_or_init(|| JointProducts::new(&group.rows, b, &group.used));
+            sum += match weights {
+                Some(weights) => {
+                    let weights = weights.clone().precision(&DMatrix::identity(n, n), &group.used)?;
+                    products.between(&product(&product(&weights, covariance), &weights))
                 }
-            }
-            sum += transpose_product(&rows, &spread);
+                None => products.between(covariance),
+            };
         }
         Ok(sum)
     }
@@ -328,6 +338,10 @@ impl<'a> Factorisation<'a> {
 }
 
 impl SampleGroup {
+    fn new(used: &[bool], rows: DMatrix<f64>) -> Self {
+        Self { used: used.to_vec(), rows, products: OnceLock::new() }
+    }
+
     /// Which rows are equations.
     fn marks(&self) -> Vec<bool> {
         self.used.iter().copied().cycle().take(self.rows.nrows()).collect()

@@ -149,7 +149,8 @@ impl Inference<'_> {
             BaseEstimate { name, value, std, ci95: [value - t * std, value + t * std], unit, declared_std }
         };
         let base: Vec<BaseEstimate> = observation.base.names().into_iter().enumerate().map(parameter).collect();
-        let mut findings = self.findings(&base);
+        let condition_scaled = self.fit.condition_scaled();
+        let mut findings = self.findings(&base, condition_scaled);
         findings.extend(beyond);
         findings.extend(observation.base.nearly_dependent.as_ref().map(|left_out| Finding::NearlyDependent {
             parameters: left_out.parameters.clone(),
@@ -177,8 +178,8 @@ impl Inference<'_> {
             residual_rms,
             noise_std: self.noise.std(),
             units: observation.units.clone(),
-            condition: self.fit.condition,
-            condition_scaled: self.fit.condition_scaled,
+            condition: self.fit.condition(),
+            condition_scaled,
             factorised_by: equations.factorised_by,
             interval_basis,
             degrees_of_freedom: freedom,
@@ -274,12 +275,11 @@ impl Inference<'_> {
         found.into_iter().zip(&expected.correlation).enumerate().filter_map(finding).collect()
     }
 
-    fn findings(&self, base: &[BaseEstimate]) -> Vec<Finding> {
+    fn findings(&self, base: &[BaseEstimate], condition_scaled: f64) -> Vec<Finding> {
         let mut findings = poorly_determined(base);
         if !self.termination.was_successful() {
             findings.push(Finding::Unfinished { termination: self.termination });
         }
-        let condition_scaled = self.fit.condition_scaled;
         if condition_scaled > LARGE_CONDITION {
             findings.push(Finding::LargeCondition { condition_scaled });
         }

@@ -37,11 +37,10 @@ impl LinearFit {
 
     /// Least squares weighted with the scatter over periods, or with the residual of the ordinary fit.
     pub(super) fn weighted(equations: &Factorisation<'_>) -> Result<Self, EstimationError> {
-        let weights = match scatter_noise(equations.observation()) {
-            Some(noise) => BlockWhitening::new(noise.covariance())?,
-            None => equations.residual_weights(equations.least_squares()?.solution())?,
-        };
-        Self::of(equations, equations.weighted(&weights)?, Some(weights))
+        if let Some((weights, fit)) = equations.by_scatter()? {
+            return Self::of(equations, fit.clone(), Some(weights.clone()));
+        }
+        Self::with_weights(equations, equations.residual_weights(equations.least_squares()?.solution())?)
     }
 
     /// Least squares weighted with the inverse of a covariance that is known otherwise.

@@ -32,6 +32,7 @@ mod from_outside;
 mod identification;
 mod inference;
 mod instruments;
+mod joint_products;
 mod kind;
 mod law;
 mod linear_fit;

@@ -8,6 +8,7 @@
 use nalgebra::{Complex, DMatrix};
 
 use super::noise_spectrum::NoiseSpectrum;
+use crate::linalg::product::add_product;
 
 /// Lags up to which sums over lags are faster than transforms.
 const FEW_LAGS: usize = 16;
@@ -38,16 +39,21 @@ impl CovarianceOperator {
             apply_by_spectrum(spectrum, n, w, &mut out);
             return out;
         }
+        if let [of_sample] = &self.lags[..] {
+            // Samples are columns in memory.
+            add_product(of_sample.as_slice(), w.as_slice(), n, out.as_mut_slice());
+            return out;
+        }
         // One series per joint, so that the inner loop runs over consecutive numbers.
         let (mut from, mut to) = (vec![vec![0.0; count]; n], vec![vec![0.0; count]; n]);
         for column in 0..w.ncols() {
-            for (row, &value) in w.column(column).iter().enumerate() {
-                from[row % n][row / n] = value;
-                to[row % n][row / n] = 0.0;
+            for (k, sample) in w.column(column).as_slice().chunks_exact(n).enumerate() {
+                from.iter_mut().zip(sample).for_each(|(series, value)| series[k] = *value);
             }
+            to.iter_mut().for_each(|series| series.fill(0.0));
             self.add_lags(&from, &mut to);
-            for (row, value) in out.column_mut(column).iter_mut().enumerate() {
-                *value = to[row % n][row / n];
+            for (k, sample) in out.column_mut(column).as_mut_slice().chunks_exact_mut(n).enumerate() {
+                to.iter().zip(sample).for_each(|(series, value)| *value = series[k]);
             }
         }
         out

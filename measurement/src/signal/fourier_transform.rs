@@ -132,25 +132,38 @@ impl FourierTransform {
         }
     }
 
-    /// The transform of a few values, in the order of its sum; roots of their number are `apart` places from each other.
+    /// The transform of two values or an odd number of them; roots of their number are `apart` places from each other.
+    ///
+    /// Roots w and w̄ of a pair share their products: `a w + b w̄ = Re w (a + b) + i Im w (a − b)`.
     #[inline(always)]
-    fn sums(&self, parts: &[Complex<f64>], apart: usize, mut put: impl FnMut(usize, Complex<f64>)) {
-        let p = parts.len();
+    fn sums(&self, parts: &mut [Complex<f64>], apart: usize, mut put: impl FnMut(usize, Complex<f64>)) {
+        let (p, half) = (parts.len(), parts.len() / 2);
         if p == 2 {
             put(0, parts[0] + parts[1]);
             put(1, parts[0] - parts[1]);
             return;
         }
-        for s in 0..p {
-            let (mut sum, mut turn) = (parts[0], 0);
-            for value in &parts[1..] {
+        let mut all = parts[0];
+        for r in 1..=half {
+            let (a, b) = (parts[r], parts[p - r]);
+            (parts[r], parts[p - r]) = (a + b, a - b);
+            all += parts[r];
+        }
+        put(0, all);
+        for s in 1..=half {
+            let (mut even, mut odd, mut turn) = (parts[0], Complex::<f64>::ZERO, 0);
+            for r in 1..=half {
                 turn += s;
                 if turn >= p {
                     turn -= p;
                 }
-                sum += value * self.roots[turn * apart];
+                let root = self.roots[turn * apart];
+                even += parts[r] * root.re;
+                odd += parts[p - r] * root.im;
             }
-            put(s, sum);
+            let odd = Complex::new(-odd.im, odd.re);
+            put(s, even + odd);
+            put(p - s, even - odd);
         }
     }
 

@@ -10,7 +10,7 @@
 use nalgebra::{Complex, DMatrix};
 
 use super::fourier_transform::{FourierTransform, smooth_length};
-use crate::linalg::product::transposed_product;
+use crate::linalg::product::transposed_product_of_parts;
 
 /// Lags up to which sums are faster than transforms.
 const FEW_LAGS: usize = 16;
@@ -36,18 +36,10 @@ impl LagProducts {
 
     /// c(l), n × n, for a lag shorter than the series.
     pub fn at(&mut self, l: usize) -> DMatrix<f64> {
-        let (n, count) = (self.dof, self.series.len() / self.dof.max(1));
         if l <= FEW_LAGS {
-            // Each series l samples earlier, followed by its own beginning or by zeros.
-            let mut later = vec![0.0; self.series.len()];
-            for (to, from) in later.chunks_exact_mut(count.max(1)).zip(self.series.chunks_exact(count.max(1))) {
-                to[..count - l].copy_from_slice(&from[l..]);
-                if self.wraps {
-                    to[count - l..].copy_from_slice(&from[..l]);
-                }
-            }
-            return transposed_product(&self.series, &later, count);
+            return self.summed(l);
         }
+        let (n, count) = (self.dof, self.count());
         if self.all.is_empty() {
             self.all = self.correlations(count);
         }
@@ -59,6 +51,23 @@ impl LagProducts {
             let (own, around) = if i <= j { (l, len - (count - l)) } else { (len - l, count - l) };
             if self.wraps { c[own] + c[around] } else { c[own] }
         })
+    }
+
+    /// N.
+    fn count(&self) -> usize {
+        self.series.len() / self.dof.max(1)
+    }
+
+    /// c(l), n × n, summed as it is written.
+    pub(super) fn summed(&self, l: usize) -> DMatrix<f64> {
+        let count = self.count();
+        let inner = transposed_product_of_parts(&self.series, &self.series[l..], count, count - l);
+        if self.wraps && l > 0 {
+            // What follows the last l samples of each series is its own beginning.
+            inner + transposed_product_of_parts(&self.series[count - l..], &self.series, count, l)
+        } else {
+            inner
+        }
     }
 
     /// Linear correlations of all pairs, padded with zeros so that nothing of one end meets the other.

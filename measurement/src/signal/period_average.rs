@@ -12,6 +12,7 @@
 use nalgebra::DMatrix;
 
 use super::error::{SignalError, check_finite, refused};
+use super::lag_products::LagProducts;
 
 /// Whole periods of a record, back to back: `q` and `effort` are (P·N) × n, row-major.
 #[derive(Clone, Copy, Debug)]
@@ -149,24 +150,15 @@ fn average(x: &[f64], block: usize) -> Vec<f64> {
     mean
 }
 
+/// Deviations of one period from the mean, row by row.
+pub(super) fn deviations(period: &[f64], mean: &[f64]) -> Vec<f64> {
+    period.iter().zip(mean).map(|(x, mean)| x - mean).collect()
+}
+
 /// Σ e eᵀ over all rows of `x` (row-major, n wide), `e = x − mean` with `mean` repeated.
 fn covariance(x: &[f64], mean: &[f64], n: usize) -> DMatrix<f64> {
-    let mut sum = DMatrix::zeros(n, n);
-    let mut e = vec![0.0; n];
-    for period in x.chunks_exact(mean.len()) {
-        for (row, mean) in period.chunks_exact(n).zip(mean.chunks_exact(n)) {
-            for i in 0..n {
-                e[i] = row[i] - mean[i];
-            }
-            for j in 0..n {
-                for i in j..n {
-                    sum[(i, j)] += e[i] * e[j];
-                }
-            }
-        }
-    }
-    sum.fill_upper_triangle_with_lower_triangle();
-    sum
+    let periods = x.chunks_exact(mean.len());
+    periods.map(|period| LagProducts::new(&deviations(period, mean), n, true).summed(0)).sum()
 }
 
 #[cfg(test)]

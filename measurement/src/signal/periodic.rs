@@ -9,7 +9,7 @@ use super::noise::NoiseModel;
 use super::period_average::{PeriodAverage, PeriodicRecord};
 use super::processing::{Derivatives, Processing, TorqueFilter};
 use super::samples::Samples;
-use super::scatter::ScatterSpectrum;
+use super::scatter::Scatter;
 use super::torque::{map_rows, torque_map};
 use crate::dynamics::States;
 use crate::model::{EffortInterface, Robot};
@@ -56,15 +56,14 @@ pub fn process_periods(
         TorqueFilter::None => LowPass::None,
         TorqueFilter::SameAsPositions => filter,
     };
-    let spacing_hz = 1.0 / average.period_s;
-    let noise = ScatterSpectrum::new(&transform, &torque, &average.effort, n).map(|scatter| {
-        let scatter = scatter.filtered(|h| low_pass.gain(h, spacing_hz) * block_gain(h, block, len));
+    let filtered = |rows: Vec<f64>| low_pass.apply(rows, n, average.period_s, &transform);
+    let noise = Scatter::new(&torque, &average.effort, n, block, filtered).map(|scatter| {
         let blocks = len / block;
         let count = (blocks * (average.periods - 1)) as f64;
-        NoiseModel::adaptive(|l| scatter.lag(l, blocks), blocks / 4, true, count).scaled(1.0 / average.periods as f64)
+        NoiseModel::adaptive(|l| scatter.lag(l), blocks / 4, true, count).scaled(1.0 / average.periods as f64)
     });
     let used = used_blocks(&states, block, processing.reversal_fraction, 0);
-    let tau = low_pass.apply(&average, &transform);
+    let tau = filtered(average.effort.clone());
     Ok(Samples {
         slow: used.iter().map(|used| !used).collect(),
         used,
@@ -75,7 +74,7 @@ pub fn process_periods(
         derivatives: processing.derivatives,
         position_band_hz,
         position_floor,
-        torque_band_hz: low_pass.band_hz(spacing_hz),
+        torque_band_hz: low_pass.band_hz(average.period_s),
         torque_filter_order: processing.filter_order,
         torque_covariance: average.effort_covariance,
         position_noise: average.q_variance.map(|v| v.into_iter().map(f64::sqrt).collect()),
@@ -137,12 +136,6 @@ pub(super) fn used_blocks(states: &States, block: usize, fraction: f64, reach: u
     used
 }
 
-/// Amplitude gain of the mean over `block` samples on line h of N: Dirichlet's kernel.
-fn block_gain(h: usize, block: usize, len: usize) -> f64 {
-    let x = std::f64::consts::PI * h as f64 / len as f64;
-    if h == 0 { 1.0 } else { libm::sin(block as f64 * x) / (block as f64 * libm::sin(x)) }
-}
-
 /// Unit of each joint's effort.
 pub(super) fn effort_units(robot: &Robot) -> Vec<String> {
     robot.joints().iter().map(|joint| joint.kind.effort_unit().to_owned()).collect()
@@ -156,38 +149,28 @@ enum LowPass {
 }
 
 impl LowPass {
-    fn gain(&self, h: usize, spacing_hz: f64) -> f64 {
-        match self {
-            Self::None => 1.0,
-            Self::Harmonics(last) => f64::from(u8::from(h <= *last)),
-            Self::Butterworth(filter) => filter.power_gain(h as f64 * spacing_hz),
-        }
-    }
-
-    fn band_hz(&self, spacing_hz: f64) -> Option<f64> {
+    fn band_hz(&self, period_s: f64) -> Option<f64> {
         match self {
             Self::None => None,
-            Self::Harmonics(last) => Some(*last as f64 * spacing_hz),
+            Self::Harmonics(last) => Some(*last as f64 / period_s),
             Self::Butterworth(filter) => Some(filter.cutoff_hz),
         }
     }
 
-    /// Average torque after the filter, row-major.
-    fn apply(&self, average: &PeriodAverage, transform: &FourierTransform) -> Vec<f64> {
-        let n = average.dof;
-        let mut tau = average.effort.clone();
+    /// A period of torque, row-major and n wide, after the filter.
+    fn apply(&self, mut rows: Vec<f64>, n: usize, period_s: f64, transform: &FourierTransform) -> Vec<f64> {
         for i in 0..n {
-            let raw = column(&average.effort, n, i);
+            let raw = || column(&rows, n, i);
             let filtered = match self {
-                Self::None => continue,
+                Self::None => break,
                 Self::Harmonics(last) => {
-                    HarmonicSeries::new(transform, &raw, average.period_s).up_to(*last).samples(transform).0
+                    HarmonicSeries::new(transform, &raw(), period_s).up_to(*last).samples(transform).0
                 }
-                Self::Butterworth(filter) => filter.zero_phase_periodic(&raw),
+                Self::Butterworth(filter) => filter.zero_phase_periodic(&raw()),
             };
-            put_column(&mut tau, n, i, &filtered);
+            put_column(&mut rows, n, i, &filtered);
         }
-        tau
+        rows
     }
 }
 
@@ -262,23 +245,6 @@ pub(super) fn put_column(rows: &mut [f64], n: usize, i: usize, values: &[f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn analytic_block_gain_is_that_of_the_mean() {
-        let (len, block) = (60, 5);
-        let transform = FourierTransform::new(len);
-        for h in 0..=30 {
-            let tone: Vec<f64> = (0..len)
-                .map(|k| libm::cos(std::f64::consts::TAU * ((h * k) % len) as f64 / len as f64 + 0.3))
-                .collect();
-            // The mean over every window, not only every fifth: no aliasing, so one line in, one line out.
-            let mean: Vec<f64> =
-                (0..len).map(|k| (0..block).map(|l| tone[(k + l) % len]).sum::<f64>() / block as f64).collect();
-            let (before, after) = (transform.forward_real(&tone), transform.forward_real(&mean));
-            let gain = after[h].norm() / before[h].norm();
-            assert!((gain - block_gain(h, block, len).abs()).abs() < 1e-12, "line {h}");
-        }
-    }
 
     #[test]
     fn analytic_blocks_with_a_reversal_are_left_out() {

@@ -8,6 +8,7 @@
 
 use nalgebra::DMatrix;
 
+use crate::linalg::product::add_product;
 use crate::model::{EffortInterface, Robot};
 
 /// The matrix that turns efforts as the arm reports them (n) into joint torques (n, N·m; N for a prismatic joint): that
@@ -26,15 +27,9 @@ pub fn torque_map(robot: &Robot, effort: EffortInterface) -> DMatrix<f64> {
 
 /// `rows · mapᵀ` for a row-major table n wide: the map applied to every sample.
 pub(super) fn map_rows(rows: &[f64], map: &DMatrix<f64>) -> Vec<f64> {
-    let n = map.nrows();
     let mut out = vec![0.0; rows.len()];
-    for (to, from) in out.chunks_exact_mut(n).zip(rows.chunks_exact(n)) {
-        for (i, to) in to.iter_mut().enumerate() {
-            for (j, from) in from.iter().enumerate() {
-                *to += map[(i, j)] * from;
-            }
-        }
-    }
+    // Samples are columns in memory.
+    add_product(map.as_slice(), rows, map.nrows(), &mut out);
     out
 }
 

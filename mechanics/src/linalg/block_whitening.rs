@@ -8,6 +8,7 @@
 use nalgebra::{Cholesky, DMatrix, Dyn};
 
 use super::least_squares::LeastSquaresError;
+use super::product::add_product;
 
 /// Divides blocks of n rows by the root of their covariance, so that they have unit covariance.
 ///
@@ -71,8 +72,19 @@ impl BlockWhitening {
     /// # Errors
     /// As [`Self::whiten`].
     pub fn precision(&mut self, w: &DMatrix<f64>, used: &[bool]) -> Result<DMatrix<f64>, LeastSquaresError> {
-        let white = self.whiten(w, used)?;
-        self.whiten_transposed(&white, used)
+        let (size, patterns) = (self.covariance.nrows(), self.patterns(w, used)?);
+        let inverses: Vec<DMatrix<f64>> = self.factors.iter().map(|(_, factor)| factor.inverse()).collect();
+        let mut out = DMatrix::zeros(w.nrows(), w.ncols());
+        // Blocks are columns in memory. Most have all their rows.
+        add_product(inverses[0].as_slice(), w.as_slice(), size, out.as_mut_slice());
+        for (mut to, from) in out.column_iter_mut().zip(w.column_iter()) {
+            let blocks = to.as_mut_slice().chunks_exact_mut(size).zip(from.as_slice().chunks_exact(size));
+            for ((to, from), &pattern) in blocks.zip(&patterns).filter(|(_, pattern)| **pattern > 0) {
+                to.fill(0.0);
+                add_product(inverses[pattern].as_slice(), from, size, to);
+            }
+        }
+        Ok(out)
     }
 
     fn on_blocks(
@@ -81,12 +93,7 @@ impl BlockWhitening {
         used: &[bool],
         solve: impl Fn(&DMatrix<f64>, &mut [f64]),
     ) -> Result<DMatrix<f64>, LeastSquaresError> {
-        let (size, rows) = (self.covariance.nrows(), w.nrows());
-        if !rows.is_multiple_of(size) || used.len() != rows {
-            return Err(LeastSquaresError::Blocks { rows, size });
-        }
-        let patterns: Vec<usize> =
-            used.chunks_exact(size).map(|used| self.pattern(used)).collect::<Result<_, LeastSquaresError>>()?;
+        let (size, patterns) = (self.covariance.nrows(), self.patterns(w, used)?);
         let mut out = w.clone();
         // Columns are contiguous and hold whole numbers of blocks.
         for mut column in out.column_iter_mut() {
@@ -95,6 +102,15 @@ impl BlockWhitening {
             }
         }
         Ok(out)
+    }
+
+    /// Where the factor of each block of rows is.
+    fn patterns(&mut self, w: &DMatrix<f64>, used: &[bool]) -> Result<Vec<usize>, LeastSquaresError> {
+        let (size, rows) = (self.covariance.nrows(), w.nrows());
+        if !rows.is_multiple_of(size) || used.len() != rows {
+            return Err(LeastSquaresError::Blocks { rows, size });
+        }
+        used.chunks_exact(size).map(|used| self.pattern(used)).collect()
     }
 
     /// Where the factor for a pattern of used rows is: Σ with the unused rows and columns those of the identity, so
@@ -148,8 +164,9 @@ mod tests {
         let covariance = &root * root.transpose();
         let mut whitening = BlockWhitening::new(&covariance).unwrap();
         let w = random(12, 2, 6);
-        let both = whitening.whiten(&w, &[true; 12]).unwrap();
-        let both = whitening.whiten_transposed(&both, &[true; 12]).unwrap();
+        let white = whitening.whiten(&w, &[true; 12]).unwrap();
+        let both = whitening.whiten_transposed(&white, &[true; 12]).unwrap();
+        assert!((&both - whitening.precision(&w, &[true; 12]).unwrap()).norm() < 1e-13);
         for k in 0..4 {
             let back = &covariance * both.rows(3 * k, 3);
             assert!((back - w.rows(3 * k, 3)).norm() < 1e-13);
@@ -174,7 +191,10 @@ mod tests {
         let rows = w.select_rows(&keep);
         let expected = rows.transpose() * part * rows;
         let found = white.rows(0, 3).transpose() * white.rows(0, 3);
-        assert!((found - expected).norm() < 1e-13);
+        assert!((found - &expected).norm() < 1e-13);
+        let precision = whitening.precision(&w, &used).unwrap();
+        assert!((w.rows(0, 3).transpose() * precision.rows(0, 3) - expected).norm() < 1e-13);
+        assert_eq!(precision.row(1).amax(), 0.0);
         assert!(
             (white.rows(3, 3) - BlockWhitening::new(&covariance).unwrap().whiten(&w, &[true; 6]).unwrap().rows(3, 3))
                 .norm()

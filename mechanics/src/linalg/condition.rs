@@ -5,9 +5,10 @@ use nalgebra::{DMatrix, DVector};
 use super::reflection::norm;
 use super::triangular::triangular_factor;
 
-/// Singular values of A (m × n), largest first, through its triangular factor.
+/// Singular values of A (m × n), largest first, through its triangular factor unless it is square.
 pub fn singular_values(a: &DMatrix<f64>) -> DVector<f64> {
-    let mut values = triangular_factor(a).svd(false, false).singular_values;
+    let factor = if a.is_square() { a.clone() } else { triangular_factor(a) };
+    let mut values = factor.svd(false, false).singular_values;
     values.as_mut_slice().sort_by(|x, y| y.total_cmp(x));
     values
 }

@@ -62,10 +62,16 @@ pub struct LeastSquares {
     /// of its rows: D⁻¹ R⁻¹.
     left: DMatrix<f64>,
     right: DMatrix<f64>,
-    /// Condition number of W as it stands.
-    pub condition: f64,
-    /// Condition number of W with columns of unit length.
-    pub condition_scaled: f64,
+    conditions: Conditions,
+}
+
+/// Condition numbers. Those of a factor are found when they are asked for, since few fits are.
+#[derive(Clone, Debug, PartialEq)]
+enum Conditions {
+    /// As it stands, and with columns of unit length.
+    Known(f64, f64),
+    /// Of `R D`, where columns of R have unit length.
+    Factor { r: DMatrix<f64>, scales: Vec<f64> },
 }
 
 impl LeastSquares {
@@ -120,14 +126,7 @@ impl LeastSquares {
             solution[j] /= scale;
             root.row_mut(j).unscale_mut(scale);
         }
-        let raw = DMatrix::from_fn(columns, columns, |i, j| r[(i, j)] * scales[j]);
-        Ok(Self {
-            solution,
-            right: root.clone(),
-            left: root,
-            condition: condition(&raw),
-            condition_scaled: condition(&r),
-        })
+        Ok(Self { solution, right: root.clone(), left: root, conditions: Conditions::Factor { r, scales } })
     }
 
     /// A solution that was found another way: by an iteration, by total least squares, with instruments.
@@ -157,7 +156,7 @@ impl LeastSquares {
         if let Some(row) = solution.iter().position(|value| !value.is_finite()) {
             return Err(LeastSquaresError::NotFinite { row, value: solution[row] });
         }
-        Ok(Self { solution, left, right, condition, condition_scaled })
+        Ok(Self { solution, left, right, conditions: Conditions::Known(condition, condition_scaled) })
     }
 
     /// Another solution of the same equations with an A⁻¹ of its own, by [`LeastSquares::from_factors`]. The condition numbers stay.
@@ -170,12 +169,31 @@ impl LeastSquares {
         inverse_information: DMatrix<f64>,
     ) -> Result<Self, LeastSquaresError> {
         let unit = DMatrix::identity(solution.len(), solution.len());
-        Self::from_factors(solution, [inverse_information, unit], self.condition, self.condition_scaled)
+        let other = Self::from_factors(solution, [inverse_information, unit], 1.0, 1.0)?;
+        Ok(Self { conditions: self.conditions.clone(), ..other })
     }
 
     /// β̂, length b.
     pub const fn solution(&self) -> &DVector<f64> {
         &self.solution
+    }
+
+    /// Condition number of W as it stands.
+    pub fn condition(&self) -> f64 {
+        match &self.conditions {
+            Conditions::Known(condition, _) => *condition,
+            Conditions::Factor { r, scales } => {
+                condition(&DMatrix::from_fn(r.nrows(), r.ncols(), |i, j| r[(i, j)] * scales[j]))
+            }
+        }
+    }
+
+    /// Condition number of W with columns of unit length.
+    pub fn condition_scaled(&self) -> f64 {
+        match &self.conditions {
+            Conditions::Known(_, scaled) => *scaled,
+            Conditions::Factor { r, .. } => condition(r),
+        }
     }
 
     /// `(WᵀW)⁻¹`, or A⁻¹, b × b: the covariance of β̂ by [`LeastSquares::solve`] where y has unit covariance.
@@ -251,8 +269,8 @@ mod tests {
             }
         }
         let singular = w.singular_values();
-        assert!((fit.condition / (singular.max() / singular.min()) - 1.0).abs() < 1e-8);
-        assert!(fit.condition_scaled < 3.0, "unit columns of a random matrix");
+        assert!((fit.condition() / (singular.max() / singular.min()) - 1.0).abs() < 1e-8);
+        assert!(fit.condition_scaled() < 3.0, "unit columns of a random matrix");
     }
 
     #[test]

@@ -41,11 +41,15 @@ pub fn add_product(a: &[f64], b: &[f64], rows: usize, c: &mut [f64]) {
 
 /// `Aᵀ B` by columns of `rows` entries.
 pub fn transposed_product(a: &[f64], b: &[f64], rows: usize) -> DMatrix<f64> {
-    let columns = |of: &[f64]| of.len().checked_div(rows).unwrap_or(0);
-    let (m, n) = (columns(a), columns(b));
-    let mut c = DMatrix::zeros(m, n);
-    if m * n > 0 {
-        Arch::new().dispatch(TransposedProduct { a, b, rows, c: c.as_mut_slice() });
+    transposed_product_of_parts(a, b, rows, rows)
+}
+
+/// `Aᵀ B` by columns of `rows` entries, each `stride` entries behind the one before.
+pub fn transposed_product_of_parts(a: &[f64], b: &[f64], stride: usize, rows: usize) -> DMatrix<f64> {
+    let columns = |of: &[f64]| if rows > 0 { of.len().div_ceil(stride) } else { 0 };
+    let mut c = DMatrix::zeros(columns(a), columns(b));
+    if !c.is_empty() {
+        Arch::new().dispatch(TransposedProduct { a, b, stride, rows, c: c.as_mut_slice() });
     }
     c
 }
@@ -137,6 +141,7 @@ fn load<S: Simd, const V: usize>(simd: S, from: &[f64]) -> [S::f64s; V] {
 struct TransposedProduct<'a> {
     a: &'a [f64],
     b: &'a [f64],
+    stride: usize,
     rows: usize,
     c: &'a mut [f64],
 }
@@ -146,7 +151,7 @@ impl WithSimd for TransposedProduct<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        let (m, n) = (self.a.len() / self.rows, self.b.len() / self.rows);
+        let (m, n) = (self.a.len().div_ceil(self.stride), self.b.len().div_ceil(self.stride));
         let mut j = 0;
         while j < n {
             let pair = j + 2 <= n;
@@ -170,9 +175,9 @@ impl TransposedProduct<'_> {
     #[inline(always)]
     fn tile<S: Simd, const I: usize, const J: usize>(&mut self, simd: S, i: usize, j: usize) {
         let (rows, vectors) = (self.rows, SUMS / S::F64_LANES);
-        let m = self.a.len() / rows;
-        let a: [&[f64]; I] = std::array::from_fn(|x| &self.a[(i + x) * rows..][..rows]);
-        let b: [&[f64]; J] = std::array::from_fn(|x| &self.b[(j + x) * rows..][..rows]);
+        let m = self.a.len().div_ceil(self.stride);
+        let a: [&[f64]; I] = std::array::from_fn(|x| &self.a[(i + x) * self.stride..][..rows]);
+        let b: [&[f64]; J] = std::array::from_fn(|x| &self.b[(j + x) * self.stride..][..rows]);
         let mut sums = [[[simd.splat_f64s(0.0); SUMS]; J]; I];
         let whole = rows / SUMS * SUMS;
         let a_parts = a.map(|a| S::as_simd_f64s(&a[..whole]).0);
@@ -260,7 +265,8 @@ mod tests {
         Arch::Scalar.dispatch(AddProduct { a: a.as_slice(), b: b.as_slice(), rows: 61, c: &mut narrow });
         assert_eq!(narrow, product(&a, &b).as_slice());
         let mut narrow = vec![0.0; 9 * 5];
-        Arch::Scalar.dispatch(TransposedProduct { a: a.as_slice(), b: d.as_slice(), rows: 61, c: &mut narrow });
-        assert_eq!(narrow, transpose_product(&a, &d).as_slice());
+        let (a, b) = (a.as_slice(), d.as_slice());
+        Arch::Scalar.dispatch(TransposedProduct { a, b, stride: 61, rows: 61, c: &mut narrow });
+        assert_eq!(narrow, transposed_product(a, b, 61).as_slice());
     }
 }

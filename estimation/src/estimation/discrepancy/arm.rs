@@ -47,8 +47,7 @@ impl Discrepancy {
         laws: Option<&DMatrix<f64>>,
     ) -> Option<Self> {
         let blocks = BlockedEquations::new(observation, samples, laws)?;
-        let functions: Vec<Functions> =
-            (0..observation.dof).map(|joint| features::of_joint(&blocks, observation, joint, beta)).collect();
+        let functions: Vec<Functions> = features::of_joints(&blocks, observation, beta);
         let residuals: Vec<(usize, JointResidual)> = functions
             .iter()
             .enumerate()
@@ -81,11 +80,14 @@ impl Discrepancy {
             white[(joint, joint)] = sizes.white * noise.covariance()[(joint, joint)];
             let functions = &functions[joint];
             let own = functions.own.iter().zip(sizes.own.iter().map(|size| size * residual.unit));
-            let columns = own
+            let columns: Vec<_> = own
                 .chain(functions.shared.iter().zip(shared))
-                .flat_map(|(group, variance)| group.column_iter().map(move |column| column * variance.sqrt()));
-            let columns: Vec<_> = columns.collect();
-            JointDiscrepancy { joint, functions: DMatrix::from_columns(&columns) }
+                .filter(|(_, variance)| *variance > 0.0)
+                .flat_map(|(group, variance)| group.column_iter().map(move |column| column * variance.sqrt()))
+                .collect();
+            let none = || DMatrix::zeros(blocks.count, 0);
+            let functions = if columns.is_empty() { none() } else { DMatrix::from_columns(&columns) };
+            JointDiscrepancy { joint, functions }
         });
         let joints = joints.collect();
         Some(Self { blocks, joints, white, findings })

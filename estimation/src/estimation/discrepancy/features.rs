@@ -40,8 +40,20 @@ pub(super) struct Functions {
     pub(super) load: Vec<f64>,
 }
 
-/// The functions of one joint.
-pub(super) fn of_joint(blocks: &BlockedEquations, observation: &Observation, joint: usize, beta: &[f64]) -> Functions {
+/// The functions of each joint.
+pub(super) fn of_joints(blocks: &BlockedEquations, observation: &Observation, beta: &[f64]) -> Vec<Functions> {
+    // Those of time are the same for all.
+    let of_time = SPECTRA.map(|spread| harmonics(blocks.count, spread));
+    (0..observation.dof).map(|joint| of_joint(blocks, observation, joint, beta, &of_time)).collect()
+}
+
+fn of_joint(
+    blocks: &BlockedEquations,
+    observation: &Observation,
+    joint: usize,
+    beta: &[f64],
+    of_time: &[DMatrix<f64>],
+) -> Functions {
     let column = |matrix: &DMatrix<f64>| -> Vec<f64> { matrix.column(joint).iter().copied().collect() };
     let (q, qd, qdd) = (column(&blocks.q), column(&blocks.qd), column(&blocks.qdd));
     let regressor = blocks.regressor(joint);
@@ -71,7 +83,7 @@ pub(super) fn of_joint(blocks: &BlockedEquations, observation: &Observation, joi
         bumps(&[(&load, 8)]),
         bumps(&[(&qdd, 5), (&q, 4)]),
     ];
-    own.extend(SPECTRA.map(|spread| harmonics(blocks.count, spread)));
+    own.extend(of_time.iter().cloned());
     for group in &mut own {
         let scale = (group.norm_squared() / blocks.count as f64).sqrt();
         if scale > 0.0 {
@@ -83,19 +95,12 @@ pub(super) fn of_joint(blocks: &BlockedEquations, observation: &Observation, joi
 
 /// Products of bumps over grids of some variables.
 fn bumps(variables: &[(&[f64], usize)]) -> DMatrix<f64> {
-    let rows = variables.first().map_or(0, |(values, _)| values.len());
-    let one: Vec<DMatrix<f64>> = variables.iter().map(|(values, count)| grid(values, *count)).collect();
-    let total: usize = one.iter().map(DMatrix::ncols).product();
-    DMatrix::from_fn(rows, total, |row, at| {
-        let mut rest = at;
-        one.iter()
-            .map(|of| {
-                let place = rest % of.ncols();
-                rest /= of.ncols();
-                of[(row, place)]
-            })
-            .product()
-    })
+    let grids = variables.iter().map(|(values, count)| grid(values, *count));
+    let product = |of: DMatrix<f64>, with: DMatrix<f64>| {
+        let columns = with.column_iter().flat_map(|b| of.column_iter().map(move |a| a.component_mul(&b)));
+        DMatrix::from_columns(&columns.collect::<Vec<_>>())
+    };
+    grids.reduce(product).unwrap_or_else(|| DMatrix::zeros(0, 0))
 }
 
 /// Bumps over one variable, from its least to its largest value.

@@ -82,7 +82,7 @@ fn beginning(
         let first = observation.samples() / part;
         let rows = first * observation.dof;
         last = solve(observation, &h.rows(0, rows).into_owned(), &z.rows(0, rows).into_owned()).map(|fit| (first, fit));
-        if last.as_ref().is_ok_and(|(_, fit)| fit.condition_scaled <= WELL_CONDITIONED) {
+        if last.as_ref().is_ok_and(|(_, fit)| fit.condition_scaled() <= WELL_CONDITIONED) {
             break;
         }
     }

@@ -142,7 +142,7 @@ fn analytic_an_ill_conditioned_recording_keeps_the_digits_that_normal_equations_
     ] {
         // 1e8 of 1e-16; the normal equations would lose 1e16.
         assert!((fit.solution() - &beta).amax() < 1e-6, "{:e}", (fit.solution() - &beta).amax());
-        assert!(fit.condition_scaled > 1e8);
+        assert!(fit.condition_scaled() > 1e8);
     }
     // With a thousandth of noise too: the condition number alone forbids products.
     observation.y.iter_mut().for_each(|y| *y += 1e-3 * rng.random_range(-1.0..1.0));

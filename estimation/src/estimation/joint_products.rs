@@ -1,0 +1,48 @@
+//! Products of the equations of every two joints, summed over samples.
+//!
+//! ```text
+//! S_ij = Σ_k w_ikᵀ w_jk        Σ_k W_kᵀ Q W_k = Σ_ij Q_ij S_ij        for any Q (n × n)
+//! ```
+//! Of a joint only the columns that act on it count, which are less than half of all.
+
+use nalgebra::DMatrix;
+
+use super::entries::joint_entries;
+use crate::linalg::transpose_product;
+
+/// S of all joints, b × b each, without columns that are zero.
+#[derive(Clone, Debug)]
+pub(super) struct JointProducts {
+    /// Joint and column of each row, and of each column.
+    places: Vec<(usize, usize)>,
+    sums: DMatrix<f64>,
+    /// b.
+    columns: usize,
+}
+
+impl JointProducts {
+    /// Of the first b columns of `rows`, (n · samples) × at least b, of joints that are equations.
+    pub(super) fn new(rows: &DMatrix<f64>, columns: usize, used: &[bool]) -> Self {
+        let dof = used.len();
+        let places: Vec<(usize, usize)> = (0..dof)
+            .filter(|&i| used[i])
+            .flat_map(|i| (0..columns).map(move |j| (i, j)))
+            .filter(|&(i, j)| joint_entries(rows, dof, i, j).any(|entry| entry != 0.0))
+            .collect();
+        let entries = places.iter().flat_map(|&(i, j)| joint_entries(rows, dof, i, j));
+        let entries = DMatrix::from_iterator(rows.nrows() / dof, places.len(), entries);
+        Self { sums: transpose_product(&entries, &entries), places, columns }
+    }
+
+    /// `Σ_k W_kᵀ Q W_k`, b × b, for Q (n × n).
+    pub(super) fn between(&self, q: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut sum = DMatrix::zeros(self.columns, self.columns);
+        for (sums, &(j, column)) in self.sums.column_iter().zip(&self.places) {
+            let (mut sum, q) = (sum.column_mut(column), q.column(j));
+            for (of_pair, &(i, row)) in sums.iter().zip(&self.places) {
+                sum[row] += q[i] * of_pair;
+            }
+        }
+        sum
+    }
+}
