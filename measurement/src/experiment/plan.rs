@@ -151,6 +151,14 @@ impl ExperimentPlan {
         Timeline { period_s: self.trajectory.period_s(), ramp_s: Some(at(ramp.end) - at(ramp.start)) }
     }
 
+    /// How long the whole experiment takes, s.
+    ///
+    /// # Errors
+    /// As [`ExperimentPlan::layout`].
+    pub fn duration_s(&self) -> Result<f64, PlanError> {
+        Ok(self.layout()?.samples() as f64 / self.rate_hz)
+    }
+
     /// Checks that the plan can be performed on a robot with `dof` joints.
     ///
     /// # Errors
