@@ -113,7 +113,7 @@ fn analytic_a_design_keeps_the_primitives_of_a_urdf_apart() {
     };
     run("T.toml").success();
     let text = stdout(&armid(["robot", &robot]).success());
-    assert!(text.contains("Collision shapes") && text.contains("  upper: capsule"), "{text}");
+    assert!(text.contains("Collision shapes") && text.contains("upper: capsule"), "{text}");
 }
 
 /// A tetrahedron around a ball of half the size, in STL; and one point, which lies inside.

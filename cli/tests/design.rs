@@ -336,7 +336,7 @@ fn what_the_robot_file_declares_has_an_experiment_that_shows_it() {
         .unwrap();
     let text = stdout(&armid(arguments.iter().chain(&out)).success());
     assert!(
-        text.contains("torque_constant (declared 0.03)") && text.contains("current_lag_s (declared 5.000e-4)"),
+        text.contains("torque_constant (declared 0.03)") && text.contains("current_lag_s (declared 5.00e-4)"),
         "{text}"
     );
     // What is proposed can be typed.

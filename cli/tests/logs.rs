@@ -189,7 +189,12 @@ fn several_logs_make_one_fit_and_a_part_or_another_log_is_kept_aside() {
     let verdict = json(&armid(["validate", estimate, &b, "--json", "--limit", "0.5"]).success());
     assert_eq!(verdict["residual"]["bandwidth_hz"], 20.0);
     let text = stdout(&armid(["validate", estimate, &b, "--limit", "0.5"]).success());
-    assert!(text.contains("total") && text.contains("left out of the fit") && text.contains("on all rows"), "{text}");
+    assert!(text.contains("total") && text.contains("below 20 Hz") && text.contains("on all rows"), "{text}");
+    // Both commands name the rows that a fit leaves out by one sentence.
+    let of_fit = stdout(&armid(["identify", &a, "--robot", "staubli-tx40"]));
+    for text in [&text, &of_fit] {
+        assert!(text.contains("  rows of the fit: all but "), "{text}");
+    }
     armid(["export", estimate, "--to", "json", "-o", folder.path().join("x.json").to_str().unwrap()]);
 }
 
@@ -352,6 +357,12 @@ fn paths_of_an_estimate_hold_beside_it_and_its_own_log_validates_nothing() {
     let verdict = json(&at(folder.path(), &["validate", "home/E.json", "home/R.csv", "--limit", "0.9", "--json"]));
     let remark = verdict["remarks"][0].as_str().expect("a remark");
     assert!(remark.contains("home/R.csv is the log of the fit"), "{remark}");
+    assert_eq!((&verdict["verdict"], &verdict["log_of_fit"]), (&"not a validation".into(), &"home/R.csv".into()));
+    let own = ["validate", "home/E.json", "home/R.csv", "--limit"];
+    let text = stdout(&at(folder.path(), &[&own[..], &["0.9"]].concat()).success());
+    assert!(text.contains(": not a validation (limit 90 %)") && !text.contains("passed"), "{text}");
+    let text = stdout(&at(folder.path(), &[&own[..], &["1e-6"]].concat()).code(1));
+    assert!(text.contains(": not a validation, and failed (limit 1.00e-4 %)"), "{text}");
     // Other times of the log are another matter.
     let part = ["identify", "R.csv", "--robot", "arm.toml", "--held-out", "none", "--until", "7", "-o", "P.json"];
     at(&home, &part);

@@ -88,6 +88,11 @@ fn a_folder_to_begin_with_runs_as_its_own_readme_says() {
     let lab = folder.path().join("lab");
     let made = json(&armid(["init", &urdf, "-o", lab.to_str().unwrap(), "--json"]).success());
     assert_eq!(made["files"].as_array().unwrap().len(), 6);
+    // One step after the other: a bare URDF asks for a folder, its robot file for a motion or a log.
+    assert!(stdout(&armid(["robot", &urdf]).success()).contains(&format!("next: armid init {urdf}\n")));
+    let robot = lab.join("robot.toml").display().to_string();
+    let text = stdout(&armid(["robot", &robot]).success());
+    assert!(text.contains(&format!("armid advise {robot}\n")) && text.contains("armid identify LOG "), "{text}");
     let readme = std::fs::read_to_string(lab.join("README.md")).unwrap();
     for heading in ["The next three commands", "Afterwards:"] {
         for line in shell_lines(&readme, heading) {

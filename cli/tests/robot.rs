@@ -41,7 +41,8 @@ fn bundled_robots_are_listed_and_shown() {
     assert!(names.contains(&"crs-a460"), "{names:?}");
     for name in names {
         let text = stdout(&armid(["robot", name]).success());
-        assert!(text.starts_with(name), "{text}");
+        assert!(text.starts_with(name) && text.contains(&format!("armid advise {name}\n")), "{text}");
+        assert!(text.lines().count() <= 50, "{text}");
         let shown = json(&armid(["robot", name, "--json"]).success());
         for key in ["name", "dof", "gravity_m_s2", "effort", "joints", "nominal", "servo", "provenance"] {
             assert!(shown.get(key).is_some(), "{name}: {key}");

@@ -169,9 +169,12 @@ fn readme(loaded: &LoadedRobot, urdf: &str) -> String {
         export("c", "identified.c"),
     ];
     format!(
-        "# {name}\n\nMade by {init} from {urdf}. The next three commands, in this folder:\n{gaps}\n\
+        "# {name}\n\nMade by {init} from {urdf}. First fill in the gaps of `robot.toml` that matter, and check it by {check}. \
+         The next three commands, in this folder:\n{gaps}\n\
          ```sh\n{first}\n```\n\n\
-         1. designs a motion that excites the parameters inside the limits of `robot.toml`;\n\
+         1. designs a motion that excites the parameters inside the limits of `robot.toml`, in seconds. {advise} finds a \
+            better one in minutes, and an experiment for it: it compares motions and estimators on simulated arms around \
+            this one;\n\
          2. rehearses it on a simulated arm. The arm itself performs `trajectory.toml` by its own means, or by ROS 2:\n   \
             its log then takes the place of `log.csv`, and `log.toml` says what the columns are;\n\
          3. estimates the parameters, with intervals, and says what it found in the log.\n\n\
@@ -181,10 +184,10 @@ fn readme(loaded: &LoadedRobot, urdf: &str) -> String {
          | `experiment.toml` | how often and how fast the motion is sampled |\n\
          | `log.toml` | what the columns of the log are |\n\
          | `study.toml` | a study of motions and estimators on arms around this one, for when no gap is left in `robot.toml` |\n\n\
-         `{advise}` performs such a study at once, assumes what is missing, and says which motion and estimator are best.\n\n\
          Afterwards:\n\n\
          ```sh\n{then}\n```\n",
-        advise = line(Task::Advise, "robot.toml", &[(Setting::Output, "advice")]),
+        check = Remedy::task(Task::Robot, "robot.toml"),
+        advise = Remedy::task(Task::Advise, "robot.toml").with(Setting::Output, "advice"),
         init = Remedy::task(Task::Init, ""),
         first = first.join("\n"),
         then = then.join("\n"),

@@ -533,7 +533,7 @@ class Validation:
 
     @property
     def passed(self) -> bool:
-        """Whether the difference of every joint is within the limit."""
+        """Whether the difference of every joint is within the limit, on logs that are not those of the fit."""
         return bool(self._data["verdict"] == "passed")
 
     @property

@@ -44,7 +44,7 @@ pub struct ParameterRow {
 /// Shares of the measured torque that are not explained, percent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResidualShares {
-    /// What they are of: used rows, rows held out.
+    /// What they are of: rows of the fit, all rows, rows held out.
     pub label: String,
     /// Of each joint; `None` where nothing was measured.
     pub joints: Vec<Option<f64>>,
@@ -67,7 +67,7 @@ pub struct EstimateInput {
     pub unit: String,
     /// Cut-off below which torque is compared, Hz.
     pub bandwidth_hz: f64,
-    /// Shares on used rows, all rows, rows held out.
+    /// Shares on rows of the fit, all rows, rows held out.
     pub shares: Vec<ResidualShares>,
     /// Torque over time, joint by joint; of what is held out where anything is.
     pub traces: Vec<TorqueTrace>,

@@ -1,13 +1,13 @@
 //! Sequences of experiments: a later experiment adds its information to that of the earlier ones.
 //!
 //! ```text
-//! M = Σ_k C_k⁻¹        β̂ = M⁻¹ Σ_k C_k⁻¹ β̂_k        cov β̂ = M⁻¹          C_k covariance of the estimate of experiment k
+//! M = Σ_k C_k⁻¹        β̂ = M⁻¹ Σ_k C_k⁻¹ β̂_k        C_k covariance of the estimate of experiment k
 //! ```
 //! A family of designs that names another in `after` continues it: its designs have the information of that family's
 //! designs as their prior, and its runs combine the estimates of all experiments of the sequence. For Gaussian noise
 //! and a linear model the sum loses nothing against one fit of all data.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 use super::design::StudyDesign;
 use super::error::StudyError;
@@ -21,12 +21,9 @@ use super::run_error::RunError;
 use super::run_id::RunId;
 use super::setup::StudySetup;
 use crate::dynamics::States;
-use crate::estimation::Estimate;
+use crate::estimation::{Estimate, EstimationError, pool};
 use crate::excitation::CriterionKind;
 use crate::observer::Observer;
-
-/// Why no estimate came of a sequence.
-const NOT_DEFINITE: &str = "the covariance of an estimate is not positive definite";
 
 impl StudySetup {
     /// The family that `family` continues.
@@ -140,30 +137,18 @@ impl StudyPlan {
 }
 
 /// The estimates of several experiments as one, not yet scored.
-fn together(estimates: &[&Estimate]) -> Result<ScoredEstimate, &'static str> {
-    let last = estimates.last().ok_or("no estimate")?;
-    let b = last.base.len();
-    // In units of the last standard deviations, where every covariance has entries of ordinary size.
-    let unit = last.std();
-    let mut information = DMatrix::zeros(b, b);
-    let mut weighted = DVector::zeros(b);
-    for estimate in estimates {
-        let known = estimate.information().ok_or(NOT_DEFINITE)?;
-        let scaled = DMatrix::from_fn(b, b, |i, j| known[(i, j)] * unit[i] * unit[j]);
-        weighted += &scaled * estimate.beta().component_div(&unit);
-        information += scaled;
-    }
-    let factor = Cholesky::new(information).ok_or(NOT_DEFINITE)?;
-    let beta = factor.solve(&weighted).component_mul(&unit);
-    let std: Vec<f64> = factor.inverse().diagonal().iter().zip(unit.iter()).map(|(v, unit)| v.sqrt() * unit).collect();
+fn together(estimates: &[&Estimate]) -> Result<ScoredEstimate, EstimationError> {
+    let pooled = pool(estimates, None)?.estimate;
     // The quantile of the last experiment's interval serves for all.
-    let quantile = last.half_width().component_div(&unit);
+    let last = estimates[estimates.len() - 1];
+    let quantile = last.half_width().component_div(&last.std());
+    let std = pooled.std();
     Ok(ScoredEstimate {
-        estimator: last.estimator.clone(),
-        beta: beta.as_slice().to_vec(),
-        half_width: std.iter().zip(quantile.iter()).map(|(std, quantile)| std * quantile).collect(),
-        std,
-        residual_rms: last.residual_rms.clone(),
+        beta: pooled.beta().as_slice().to_vec(),
+        half_width: std.component_mul(&quantile).as_slice().to_vec(),
+        std: std.as_slice().to_vec(),
+        estimator: pooled.estimator,
+        residual_rms: pooled.residual_rms,
         ..ScoredEstimate::default()
     })
 }
@@ -192,6 +177,7 @@ mod tests {
             shape: Vec::new(),
             base: base.collect(),
             covariance: covariance.row_iter().map(|row| row.iter().copied().collect()).collect(),
+            noise_covariance: Vec::new(),
             motor_errors: Vec::new(),
             servo: Vec::new(),
             standard: None,

@@ -12,6 +12,7 @@
 //! | draw a page | [`report`] |
 //! | find what the last link carries, or torque constants by a known load | [`payload()`], [`drive_gains()`] |
 //! | find motion and estimator for an arm before it moves | [`advice::advise`] |
+//! | design, perform and identify until targets are met | [`campaign::Campaign`] |
 //! | perform a study | [`study::perform`], [`study::merge`] |
 //!
 //! From a robot to its parameters, on a simulated arm:
@@ -40,6 +41,7 @@
 //! Work that takes long reports to an [`Observer`](armid::observer::Observer), which may end it. Nothing here knows a terminal.
 
 pub mod advice;
+pub mod campaign;
 mod counter;
 pub mod design;
 mod drive_gains;

@@ -29,7 +29,9 @@ pub struct ValidationVerdict {
     pub logs: Vec<LogReport>,
     /// What else is to be known of them.
     pub remarks: Vec<String>,
-    /// `passed` or `failed`.
+    /// The log of the fit, where it is among the logs: no validation, whatever the error.
+    pub log_of_fit: Option<String>,
+    /// `passed` or `failed`; `not a validation` where the error is within the limit on the log of the fit.
     pub verdict: &'static str,
 }
 
@@ -46,18 +48,27 @@ impl ValidationVerdict {
             by: by.to_owned(),
             robot: log.robot.robot.name().to_owned(),
             recording: log.name(),
-            verdict: Self::word(validation.is_within(limit)),
+            verdict: if validation.is_within(limit) { "passed" } else { "failed" },
             validation,
             limit,
             residual,
             logs: log.reports.clone(),
             remarks: Vec::new(),
+            log_of_fit: None,
         }
     }
 
-    /// `passed` or `failed`.
-    pub const fn word(passed: bool) -> &'static str {
-        if passed { "passed" } else { "failed" }
+    /// Returns this verdict as that on a log of the fit, which cannot pass.
+    fn on_log_of_fit(mut self, log: Option<&str>) -> Self {
+        let Some(log) = log else { return self };
+        if self.verdict == "passed" {
+            self.verdict = "not a validation";
+        }
+        self.remarks.push(format!(
+            "{log} is the log of the fit (the same SHA-256): validate another log, or a part that the fit did not use"
+        ));
+        self.log_of_fit = Some(log.to_owned());
+        self
     }
 }
 
@@ -78,7 +89,7 @@ impl Serialize for ValidationAnswer {
 }
 
 /// Compares what estimates, which errors call `name`, predict with a log. Where `inputs` say what the estimates and the log were made from,
-/// a log of the fit is remarked upon, and the robot's file is to be the same.
+/// a log of the fit is no validation, and the robot's file is to be the same.
 ///
 /// # Errors
 /// [`Error`] where the limit is not above zero, or an estimate is of another robot or of other parameters; of
@@ -91,15 +102,9 @@ pub fn validate(
     observer: &dyn Observer,
 ) -> Result<ValidationAnswer, Error> {
     check_limit(limit)?;
-    let mut remarks = Vec::new();
+    let mut log_of_fit = None;
     if let [Some(before), Some(now)] = inputs {
-        remarks.extend(before.shared_file(now).map(|file| {
-            format!(
-                "{} is the log of the fit (the same SHA-256), so that this is no validation: another log is one, or a part \
-                 that is held out of the fit",
-                file.path
-            )
-        }));
+        log_of_fit = before.shared_file(now).map(|file| file.path.as_str());
         if before.robot.name.is_some() && before.robot.name == now.robot.name {
             before.check_robot(&log.robot, name)?;
         }
@@ -111,8 +116,7 @@ pub fn validate(
         let validation = log.validate(estimate, name)?;
         steps.begin(name)?;
         let found = (validation, log.residual(estimate, name)?.0);
-        let verdict = ValidationVerdict::new(&estimate.estimator, &log, found, limit);
-        Ok::<_, Error>(ValidationVerdict { remarks: remarks.clone(), ..verdict })
+        Ok::<_, Error>(ValidationVerdict::new(&estimate.estimator, &log, found, limit).on_log_of_fit(log_of_fit))
     };
     Ok(ValidationAnswer { verdicts: estimates.iter().map(verdict).collect::<Result<_, _>>()? })
 }

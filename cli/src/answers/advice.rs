@@ -40,7 +40,7 @@ pub(crate) fn advice_text(answer: &AdviceAnswer) -> String {
     if alike > 0 {
         let _ = writeln!(
             text,
-            "  {alike} of {} candidates cannot be told from it (interval holds 1)",
+            "  {alike} of {} candidates cannot be told from it (interval contains 1)",
             answer.candidates.len()
         );
     }

@@ -16,8 +16,8 @@ use crate::terminal::{Destination, Table, number};
 fn ending(design: &Design, robot: &Robot) -> String {
     match &design.termination {
         Termination::Infeasible { limit, joint, worst } if *limit == LimitKind::Clearance => {
-            let (found, required, t) = (number(worst.value), number(worst.limit), worst.t);
-            format!("infeasible: {joint} {found} m apart at t = {t:.3} s, expected {required} m")
+            let [found, required, t] = [worst.value, worst.limit, worst.t].map(number);
+            format!("infeasible: {joint} {found} m apart at t = {t} s, expected {required} m")
         }
         Termination::Infeasible { limit, worst, .. } => {
             format!("infeasible: {} {}", limit.name(), used(worst, *limit, robot))
@@ -31,7 +31,7 @@ fn used(worst: &WorstUse, limit: LimitKind, robot: &Robot) -> String {
     let joint = &robot.joints()[worst.joint];
     let unit = limit.unit(joint.kind);
     let (value, most) = (number(worst.value), number(worst.limit));
-    let time = if limit.has_time() { format!(", t = {:.3} s", worst.t) } else { String::new() };
+    let time = if limit.has_time() { format!(", t = {} s", number(worst.t)) } else { String::new() };
     format!("{value} of {most} {unit} at joint \"{}\"{time}", joint.name)
 }
 
@@ -89,14 +89,14 @@ impl DesignText<'_> {
         let answer = self.answer;
         let (best, certificate) = (&answer.best, &answer.best.certificate);
         let mut text = format!(
-            "{}: {} over {} base parameters ({}), the best of {} starts in {:.2} s\n{} after {} iterations and {} \
+            "{}: {} over {} base parameters ({}), the best of {} starts in {} s\n{} after {} iterations and {} \
              evaluations; {}\n\n",
             answer.problem.robot().name(),
             best.criterion,
             answer.problem.base().rank(),
             answer.problem.objective().columns,
             answer.designs.len(),
-            answer.seconds,
+            number(answer.seconds),
             best.termination.name(),
             best.iterations,
             best.evaluations,
@@ -133,8 +133,8 @@ impl DesignText<'_> {
         let _ = write!(text, "\n{}", limits.render(2));
         if let Some(nearest) = &worst.clearance {
             let [first, second] = &nearest.pair;
-            let (distance, t) = (number(nearest.distance_m), nearest.t);
-            let _ = writeln!(text, "\n  nearest: {distance} m, \"{first}\" to \"{second}\", t = {t:.3} s");
+            let [distance, t] = [nearest.distance_m, nearest.t].map(number);
+            let _ = writeln!(text, "\n  nearest: {distance} m, \"{first}\" to \"{second}\", t = {t} s");
         }
         text.push_str(&self.payload_text().unwrap_or_default());
         text.push('\n');

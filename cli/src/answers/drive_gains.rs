@@ -7,7 +7,7 @@ use armid_io::log::EffortScale;
 use armid_workflow::DriveGainsAnswer;
 
 use super::findings::paragraph;
-use crate::terminal::{Table, number};
+use crate::terminal::{Table, stated};
 
 /// Parameters that are listed for each joint.
 const LISTED: usize = 6;
@@ -37,7 +37,7 @@ impl DriveGainsText<'_> {
             "{}s of \"{}\" by a load of {} kg on link \"{}\": {with} against {without}\n",
             self.noun(),
             self.0.robot.name(),
-            number(self.0.load.mass),
+            stated(self.0.load.mass),
             self.0.robot.link_name(self.0.robot.dof())
         );
         text += &self.constants_table();
@@ -87,7 +87,7 @@ impl DriveGainsText<'_> {
                     format!("{:.5} {}", constant.value, self.0.scale.unit()),
                     end(&constant, 0, 5),
                     end(&constant, 1, 5),
-                    first(number(self.0.constants[joint])),
+                    first(stated(self.0.constants[joint])),
                     format!("{:.4}", gain.value),
                     end(gain, 0, 4),
                     end(gain, 1, 4),

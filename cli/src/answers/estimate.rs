@@ -33,7 +33,7 @@ fn residual_table(
         headings += " | #rows of the fit";
         columns.push(&fit.used);
         if let Some(held_out) = held_out {
-            headings += " | #such rows held out";
+            headings += " | #held out, rows of the fit";
             columns.push(&held_out.used);
         }
     }
@@ -49,26 +49,24 @@ fn residual_table(
     table.render(2)
 }
 
-/// Which rows were left out, and what is at fault in the recordings; nothing where all count. More words say why and where.
+/// Which rows a fit leaves out and why, and what is at fault in the recordings; nothing where all count. More words say it joint by
+/// joint.
 pub(crate) fn left_out(prepared: &ProcessedLog, verbose: bool) -> String {
     let mut text = String::new();
     for report in &prepared.reports {
         let share = |count: &usize| 100.0 * (1.0 - *count as f64 / report.blocks.max(1) as f64);
-        let shares = || report.equations.iter().map(share);
-        let (least, most) = (shares().fold(f64::INFINITY, f64::min), shares().fold(0.0, f64::max));
-        if verbose && most > 0.0 {
+        let shares: Vec<f64> = report.equations.iter().map(share).collect();
+        let (least, most) =
+            (shares.iter().copied().fold(f64::INFINITY, f64::min), shares.iter().copied().fold(0.0, f64::max));
+        if most > 0.0 {
+            let of_each: Vec<String> = shares.iter().map(|share| format!("{share:.0} %")).collect();
+            let range = if verbose { of_each.join(", ") } else { format!("{least:.0} to {most:.0} %") };
             let slow = 100.0 * prepared.settings.processing.reversal_fraction;
-            let shares: Vec<String> = shares().map(|share| format!("{share:.0} %")).collect();
             let sentence = format!(
-                "{}: left out of the fit, where a joint turns round or is slower than {slow} % of its top speed, a channel is \
-                 at fault or the filter has an edge: {} of the rows of its joints",
-                report.name,
-                shares.join(", ")
+                "rows of the fit: all but {range} of those of a joint, where it reverses or is slower than {slow} % of its top speed, \
+                 the filter has an edge, or a channel is at fault"
             );
-            text.push_str(&paragraph(&sentence, 2));
-        } else if most > 0.0 {
-            let sentence =
-                format!("left out of the fit: {least:.0} to {most:.0} % of the rows of a joint (`-v` says why)");
+            let sentence = if prepared.reports.len() > 1 { format!("{}: {sentence}", report.name) } else { sentence };
             text.push_str(&paragraph(&sentence, 2));
         }
         for sentence in report.origin.sentences() {
@@ -104,10 +102,11 @@ pub(crate) fn estimate_text(prepared: &ProcessedLog, of: &Identified, verbose: b
         estimate.columns,
     );
     let _ = writeln!(text, "\n{}", verdict_text(verdict));
-    let _ = writeln!(text, "torque below {} Hz that the estimate does not explain", number(used.bandwidth_hz));
+    let _ =
+        writeln!(text, "torque below {} Hz that the estimate does not explain, on all rows", number(used.bandwidth_hz));
     text += &residual_table(&prepared.joint_names(), &estimate.units, used, held_out.as_ref(), verbose);
     let sentence = format!(
-        "{} s used, {} s held out, {averaged}; {} samples; condition {} ({} with columns of unit length)",
+        "{} s used, {} s held out, {averaged}; {} samples; condition number {} ({} with columns of unit length)",
         number(time(|report| report.used_s)),
         number(time(|report| report.held_out_s)),
         estimate.samples,

@@ -6,7 +6,7 @@ use armid::number::significant;
 use armid_workflow::identification::hidden_speeds;
 
 use super::findings::paragraph;
-use crate::terminal::{Table, number};
+use crate::terminal::{Table, number, stated};
 
 fn name<'a>(robot: &'a Robot, of: &FrictionSpeed) -> &'a str {
     &robot.joints()[of.joint - 1].name
@@ -50,7 +50,7 @@ pub(crate) fn speeds_text(speeds: &FrictionSpeeds, robot: &Robot, used: bool) ->
             Some(of) => [of.value, of.ci95[0], of.ci95[1]].map(|value| significant(value, 3)),
             None => ["not shown", "–", "–"].map(str::to_owned),
         };
-        let mut row = vec![name(robot, of).to_owned(), number(of.stated)];
+        let mut row = vec![name(robot, of).to_owned(), stated(of.stated)];
         row.extend(three(of.speed));
         row.push(format!("{}/s", kind.unit()));
         row.extend(three(of.amplitude));

@@ -1,6 +1,7 @@
 //! What commands answer: texts for a person, JSON for a program.
 
 pub(crate) mod advice;
+pub(crate) mod campaign;
 pub(crate) mod clearance;
 pub(crate) mod design;
 pub(crate) mod drive_gains;

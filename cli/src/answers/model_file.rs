@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use armid::estimation::BodyOrigin;
+use armid::number::significant;
 use armid_workflow::export::{ModelFile, ModelPrediction, Snapping, SourceFile};
 use armid_workflow::numbers::{error_percent, number};
 
@@ -72,10 +73,10 @@ fn snapping_text(Snapping { joints, largest_angle_rad, torque, .. }: &Snapping) 
     let joints: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
     let most = torque.relative_rms.iter().copied().fold(0.0, f64::max);
     let sentence = format!(
-        "angles of the URDF up to {largest_angle_rad:.1e} rad off right ones ({}) are taken as right: that changes at most {:.1e} % of a \
-         joint's torque",
+        "angles of the URDF up to {} rad off right ones ({}) are taken as right: that changes at most {} % of a joint's torque",
+        significant(*largest_angle_rad, 2),
         joints.join(", "),
-        100.0 * most,
+        significant(100.0 * most, 2),
     );
     paragraph(&sentence, 0)
 }

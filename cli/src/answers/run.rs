@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use super::findings::paragraph;
 use crate::arms::{Experiment, Performed, Speed};
-use crate::terminal::{Answer, Table, number};
+use crate::terminal::{Answer, Table, number, stated};
 
 /// An RMS error above this part of the range of a joint's command counts as not following it.
 const NOT_FOLLOWED: f64 = 0.1;
@@ -115,7 +115,7 @@ impl Done {
             self.samples,
             plan.rate_hz,
             plan.periods,
-            number(plan.trajectory.period_s()),
+            stated(plan.trajectory.period_s()),
             self.written.display(),
         );
         if let Some(tracking) = &self.performed.tracking {

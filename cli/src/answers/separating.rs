@@ -7,7 +7,7 @@ use armid::model::DeclaredUncertainty;
 use serde_json::{Value, json};
 
 use super::findings::paragraph;
-use crate::terminal::number;
+use crate::terminal::{number, stated};
 
 /// Of each key of `[uncertainty]`: what is done and why that shows it, and what to type, ROBOT and PERIOD to be filled in.
 const EXPERIMENTS: [(&str, &str, &[&str]); 5] = [
@@ -50,7 +50,7 @@ pub(crate) struct SeparatingExperiment {
 impl SeparatingExperiment {
     /// One for each quantity that is declared; `robot` as it was given, `period_s` of the design.
     pub(crate) fn of(declared: &DeclaredUncertainty, robot: &str, period_s: f64) -> Vec<Self> {
-        let fill = |command: &&str| command.replace("ROBOT", robot).replace("PERIOD", &number(2.0 * period_s));
+        let fill = |command: &&str| command.replace("ROBOT", robot).replace("PERIOD", &stated(2.0 * period_s));
         let stated = EXPERIMENTS.into_iter().filter(|(key, ..)| declared.of(key) > 0.0);
         stated
             .map(|(key, experiment, commands)| Self {

@@ -2,29 +2,35 @@
 
 use std::fmt::Write;
 
-use armid::study::{ConditionResult, FamilyScore, Findings, Metric, MotionKind, StudyResult};
+use armid::study::{Comparison, ConditionResult, FamilyScore, Metric, MotionKind, StudyResult, TruthComparison};
 use armid_workflow::study::StudySummary;
 
 use crate::terminal::{Answer, Table, number};
 
-/// The answer of a finished study.
-pub(crate) fn answer(summary: &StudySummary) -> Answer {
+/// Rows of a table that still fit on one screen with the rest.
+const SCREEN_ROWS: usize = 12;
+
+/// The answer of a finished study; with more words every row and every metric.
+pub(crate) fn answer(summary: &StudySummary, verbose: bool) -> Answer {
     let StudySummary { result, runs, failed, report, .. } = summary;
-    let mut text = format!("{}\n\n{}\n{}", result.plan.question, families(result).render(0), motions(result).render(0));
+    let all = result.findings().families.len();
+    let rows = if verbose { all } else { all.min(SCREEN_ROWS) };
+    let mut text = format!("{}\n\n{}", result.plan.question, families(result, rows).render(0));
+    let _ = write!(text, "\n{}", motions(result, rows).render(0));
+    if rows < all {
+        let _ = writeln!(text, "{} more rows in each table: the report, or `-v`", all - rows);
+    }
     let _ = writeln!(
         text,
         "\n{runs} runs, {failed} failed. Smaller is better; geometric means over designs of those over runs."
     );
-    let estimator = result.plan.identification.estimators.last().map_or("", String::as_str);
-    for part in &result.conditions {
-        if result.conditions.len() > 1 {
-            let _ = writeln!(text, "\n{}: {}", part.condition.name, statuses(part));
-        } else if *failed > 0 {
-            let _ = writeln!(text, "How they ended: {}.", statuses(part));
-        }
-        headline(&mut text, &part.findings, estimator);
-        over_truths(&mut text, &part.findings, estimator);
+    if let ([part], true) = (result.conditions.as_slice(), *failed > 0) {
+        let _ = writeln!(text, "How they ended: {}.", statuses(part));
     }
+    let asked =
+        Asked { result, estimator: result.plan.identification.estimators.last().map_or("", String::as_str), verbose };
+    text += &asked.comparisons();
+    text += &asked.over_arms();
     if let Some(found) = &result.radkhah2007 {
         let _ = writeln!(text);
         for claim in &found.claims {
@@ -57,53 +63,119 @@ fn are_asked_about(families: [&str; 2]) -> bool {
     families.iter().all(|family| ["condition", "d-optimal"].contains(family))
 }
 
-/// The two criteria of the question, by every metric.
-fn headline(text: &mut String, findings: &Findings, estimator: &str) {
-    for c in findings.comparisons.iter().filter(|c| c.estimator == estimator && are_asked_about([&c.first, &c.second]))
-    {
-        let sign = if c.metric.is_logarithmic() { "−" } else { "/" };
-        let unit = c.unit.map_or_else(String::new, |unit| format!(" over {}", unit.words()));
-        let interval = c.interval.map_or_else(String::new, |i| format!(" [{:.3}, {:.3}]{unit}", i.low, i.high));
-        let p = c.p_adjusted.map_or_else(String::new, |p| format!(" (adjusted p {})", number(p)));
-        let verdict =
-            c.better.as_ref().map_or_else(|| "not significant".to_owned(), |better| format!("{better} is better"));
-        let _ = writeln!(
-            text,
-            "{}, {} {sign} {}: {:.3}{interval}, {verdict}{p}",
-            c.metric.title(),
-            c.first,
-            c.second,
-            c.difference
-        );
+/// The comparisons of the two criteria of the question.
+struct Asked<'a> {
+    result: &'a StudyResult,
+    estimator: &'a str,
+    verbose: bool,
+}
+
+impl Asked<'_> {
+    /// Whether a metric is shown: every one of a single scenario, else that which decides.
+    fn shows(&self, metric: Metric) -> bool {
+        self.verbose || self.result.conditions.len() == 1 || metric == Metric::Prediction
+    }
+
+    /// Name of a row: the metric of a single scenario, else the scenario, with more words both.
+    fn row(&self, part: &ConditionResult, metric: Metric) -> String {
+        let metric = match metric.is_logarithmic() {
+            true => format!("{} (difference)", metric.title()),
+            false => metric.title().to_owned(),
+        };
+        match (self.result.conditions.len(), self.verbose) {
+            (1, _) => metric,
+            (_, true) => format!("{}: {metric}", part.condition.name),
+            (_, false) => part.condition.name.clone(),
+        }
+    }
+
+    /// A heading over those rows.
+    fn heading(&self, first: &str, second: &str) -> String {
+        let of = format!("{first} / {second}");
+        if self.result.conditions.len() == 1 || self.verbose {
+            of
+        } else {
+            format!("{}, {of}", Metric::Prediction.title())
+        }
+    }
+
+    /// Rows under this heading, if there are any, no more than a screen has room for.
+    fn table(&self, heading: &str, rows: Vec<Vec<String>>) -> String {
+        if rows.is_empty() {
+            return String::new();
+        }
+        let (all, mut table) = (rows.len(), Table::of(heading));
+        let shown = if self.verbose { all } else { all.min(SCREEN_ROWS) };
+        for row in rows.into_iter().take(shown) {
+            table.row(row);
+        }
+        let more =
+            if shown < all { format!("{} more rows: the report, or `-v`\n", all - shown) } else { String::new() };
+        format!("\n{}{more}", table.render(0))
+    }
+
+    /// Over the units of each comparison.
+    fn comparisons(&self) -> String {
+        let (mut rows, mut heading) = (Vec::new(), String::new());
+        for part in &self.result.conditions {
+            let of_pair = |c: &&Comparison| {
+                c.estimator == self.estimator && are_asked_about([&c.first, &c.second]) && self.shows(c.metric)
+            };
+            for c in part.findings.comparisons.iter().filter(of_pair) {
+                heading = format!(
+                    "{} | #ratio | #95 % interval | over | #adjusted p | better",
+                    self.heading(&c.first, &c.second)
+                );
+                let mut row = vec![
+                    self.row(part, c.metric),
+                    number(c.difference),
+                    c.interval.map_or_else(|| "–".to_owned(), |i| format!("{} to {}", number(i.low), number(i.high))),
+                    c.unit.map_or("–", |unit| unit.words()).to_owned(),
+                    c.p_adjusted.map_or_else(|| "–".to_owned(), number),
+                    c.better.clone().unwrap_or_else(|| "not significant".to_owned()),
+                ];
+                if self.result.conditions.len() > 1 {
+                    heading += " | ended";
+                    row.push(statuses(part));
+                }
+                rows.push(row);
+            }
+        }
+        self.table(&heading, rows)
+    }
+
+    /// Over arms that were drawn.
+    fn over_arms(&self) -> String {
+        let (mut rows, mut heading) = (Vec::new(), String::new());
+        for part in &self.result.conditions {
+            let of_pair = |c: &&TruthComparison| {
+                c.estimator == self.estimator && are_asked_about([&c.first, &c.second]) && self.shows(c.metric)
+            };
+            for c in part.findings.over_truths.iter().filter(of_pair) {
+                heading = format!(
+                    "{} | #ratio over {} arms | #95 % interval | #least to greatest | #{} is better for",
+                    self.heading(&c.first, &c.second),
+                    c.truths,
+                    c.first
+                );
+                rows.push(vec![
+                    self.row(part, c.metric),
+                    number(c.ratio),
+                    c.interval.map_or_else(|| "–".to_owned(), |i| format!("{} to {}", number(i.low), number(i.high))),
+                    format!("{} to {}", number(c.range.low), number(c.range.high)),
+                    c.first_better.to_string(),
+                ]);
+            }
+        }
+        self.table(&heading, rows)
     }
 }
 
-/// The two criteria of the question over random truths.
-fn over_truths(text: &mut String, findings: &Findings, estimator: &str) {
-    for c in findings.over_truths.iter().filter(|c| c.estimator == estimator && are_asked_about([&c.first, &c.second]))
-    {
-        let interval = c.interval.map_or_else(String::new, |i| format!(" [{:.3}, {:.3}]", i.low, i.high));
-        let _ = writeln!(
-            text,
-            "over {} truths, {}, {} / {}: {:.3}{interval}, from {:.3} to {:.3}; {} is better for {}",
-            c.truths,
-            c.metric.title(),
-            c.first,
-            c.second,
-            c.ratio,
-            c.range.low,
-            c.range.high,
-            c.first,
-            c.first_better
-        );
-    }
-}
-
-fn families(result: &StudyResult) -> Table {
+fn families(result: &StudyResult, rows: usize) -> Table {
     let mut table = Table::of(
         "criterion | estimator | #designs | #runs | #prediction N·m | #of rating | #log volume | #reference | #SI | #measured N·m | #coverage %",
     );
-    for family in &result.findings().families {
+    for family in result.findings().families.iter().take(rows) {
         let mut row =
             vec![family.family.clone(), family.estimator.clone(), family.designs.to_string(), family.runs.to_string()];
         row.extend(Metric::OF_ERRORS.iter().map(|&metric| value(family, metric)));
@@ -114,10 +186,10 @@ fn families(result: &StudyResult) -> Table {
 }
 
 /// Every criterion on each kind of motion.
-fn motions(result: &StudyResult) -> Table {
+fn motions(result: &StudyResult, rows: usize) -> Table {
     let kinds = MotionKind::ALL.map(MotionKind::title).join(" | #");
     let mut table = Table::of(&format!("prediction RMSE, N·m | estimator | #{kinds}"));
-    for family in &result.findings().families {
+    for family in result.findings().families.iter().take(rows) {
         let mut row = vec![family.family.clone(), family.estimator.clone()];
         row.extend(Metric::OF_MOTIONS.iter().map(|&metric| value(family, metric)));
         table.row(row);
@@ -126,9 +198,5 @@ fn motions(result: &StudyResult) -> Table {
 }
 
 fn value(family: &FamilyScore, metric: Metric) -> String {
-    family.value(metric).map_or_else(|| "–".to_owned(), short)
-}
-
-fn short(value: f64) -> String {
-    if value.abs() >= 1e-3 { format!("{value:.4}") } else { number(value) }
+    family.value(metric).map_or_else(|| "–".to_owned(), number)
 }

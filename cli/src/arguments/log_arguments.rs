@@ -84,6 +84,11 @@ impl LogArguments {
         self.chain.load(name)
     }
 
+    /// Logs of this robot, with what their columns are and how many rows they have per second.
+    pub(crate) fn of_table(robot: String, map: Option<String>, rate: Option<f64>) -> Self {
+        Self { robot: Some(robot), map, rate, ..Self::default() }
+    }
+
     /// These logs of this robot, unless another is named.
     pub(crate) fn with_robot(mut self, robot: &str) -> Self {
         self.robot.get_or_insert_with(|| robot.to_owned());

@@ -35,6 +35,13 @@ impl ChainArguments {
         robot::load(name, &self.ends(), None)
     }
 
+    /// The robot that is called so, with the links of its chain, as on a command line.
+    pub(crate) fn on_command_line(&self, name: &str) -> String {
+        let links = [("--base-link", &self.base_link), ("--tip-link", &self.tip_link)];
+        let links = links.into_iter().filter_map(|(flag, link)| Some(format!(" {flag} {}", link.as_ref()?)));
+        std::iter::once(name.to_owned()).chain(links).collect()
+    }
+
     /// The links at which it begins and ends.
     pub(crate) fn ends(&self) -> ChainEnds {
         ChainEnds { base: self.base_link.clone(), tip: self.tip_link.clone() }

@@ -16,7 +16,7 @@ use miette::Result;
 use serde_json::{Value, json};
 
 use crate::arguments::RobotArguments;
-use crate::terminal::{Answer, Console, Ending, Table, number, report_folder};
+use crate::terminal::{Answer, Console, Ending, Table, number, report_folder, stated};
 
 const AFTER_HELP: &str = "\
 Free motion without friction is compared with the articulated-body algorithm at finer steps. In the closed \
@@ -101,15 +101,15 @@ fn text(agreement: &Agreement, breaches: &[Breach], loaded: &LoadedRobot, drawn:
     let mut text = format!(
         "{}: free motion over {} s, in which joints move {} rad (m) at most; steps of {} s unless another is named\n\n",
         agreement.robot,
-        number(agreement.horizon_s),
-        number(agreement.travel),
-        number(agreement.step_s),
+        stated(agreement.horizon_s),
+        stated(agreement.travel),
+        stated(agreement.step_s),
     );
     let mut engines = Table::of("engine | #order | #error, rad (m) | #of the way | #energy | #torque residual");
     for own in &agreement.engines {
         let error = own.free * agreement.travel;
         let order = own.order.map_or_else(|| "–".to_owned(), |order| format!("{order:.3}"));
-        let cells = [error, own.free, own.energy, own.equations].map(|value| format!("{value:.1e}"));
+        let cells = [error, own.free, own.energy, own.equations].map(number);
         let [error, free, energy, equations] = cells;
         engines.row([own.engine.name().to_owned(), order, error, free, energy, equations]);
     }
@@ -125,12 +125,7 @@ fn text(agreement: &Agreement, breaches: &[Breach], loaded: &LoadedRobot, drawn:
                 format!("\"{}\", where efforts differ by {} {unit} at most", agreement.joints[joint], number(effort))
             });
             let (first, second) = pair.engines;
-            pairs.row([
-                format!("{} – {}", first.name(), second.name()),
-                format!("{:.1e}", pair.free),
-                format!("{most:.1e}"),
-                place,
-            ]);
+            pairs.row([format!("{} – {}", first.name(), second.name()), number(pair.free), number(most), place]);
         }
         let _ = write!(text, "\n  largest distance of a joint, rad (m)\n{}", pairs.render(2));
     }
@@ -182,7 +177,7 @@ fn figure(agreement: &Agreement, loaded: &LoadedRobot) -> ScatterFigure {
             .subtitle(format!(
                 "{}: free motion over {} s from random states, no friction{}",
                 agreement.robot,
-                number(agreement.horizon_s),
+                stated(agreement.horizon_s),
                 hidden(agreement)
             ))
             .caption(

@@ -3,8 +3,8 @@
 use miette::Result;
 
 use super::{
-    advise, agree, calibrate, completions, controller, design, doctor, dynamics, export, identify, init, monitor,
-    reduce, report, robot, run, study, topic, trajectory, validate,
+    advise, agree, calibrate, campaign, completions, controller, design, doctor, dynamics, export, identify, init,
+    monitor, reduce, report, robot, run, study, topic, trajectory, validate,
 };
 use crate::terminal::{Console, Ending, Writes};
 
@@ -14,6 +14,7 @@ pub(crate) enum Command {
     Robot(robot::Arguments),
     Init(init::Arguments),
     Advise(advise::Arguments),
+    Campaign(campaign::Arguments),
     Agree(agree::Arguments),
     Reduce(reduce::Arguments),
     Dynamics(dynamics::Arguments),
@@ -39,6 +40,7 @@ pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
     let on = |writes: Writes| console.writing(writes);
     match command {
         Command::Advise(arguments) => advise::run(&arguments, &on(Writes::Folder)?),
+        Command::Campaign(arguments) => campaign::run(&arguments, &on(Writes::Folder)?),
         Command::Agree(arguments) => agree::run(&arguments, &on(Writes::Folder)?),
         Command::Robot(arguments) => robot::run(&arguments, &on(Writes::Answer)?),
         Command::Init(arguments) => init::run(&arguments, &on(Writes::Folder)?),

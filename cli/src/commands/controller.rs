@@ -19,7 +19,7 @@ use serde_json::json;
 use crate::arguments::{RobotArguments, one_of};
 use crate::arms::Experiment;
 use crate::interrupt;
-use crate::terminal::{Answer, Console, Ending, number, real_time};
+use crate::terminal::{Answer, Console, Ending, real_time, stated};
 
 const AFTER_HELP: &str = "\
 It accepts motions by the action follow_joint_trajectory or the topic joint_trajectory, and set-points on \
@@ -133,7 +133,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         simulated.robot().name(),
         arguments.arm.name(),
         link.domain,
-        number(rate),
+        stated(rate),
     ));
     real_time::advise(console);
     let options =

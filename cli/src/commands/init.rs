@@ -43,8 +43,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     };
     let written = Starter::of_urdf(&arguments.urdf, &ends)?.write(&folder)?;
     let files: Vec<String> = written.iter().map(|place| place.display().to_string()).collect();
-    let readme = folder.join("README.md");
-    let next = format!("next: fill in the gaps of robot.toml that matter, then as {} says", readme.display());
+    let [robot, readme] = ["robot.toml", "README.md"].map(|file| folder.join(file).display().to_string());
+    let next =
+        format!("next: fill in the gaps that matter, then `armid robot {robot}`; {readme} has the order of work");
     let text = format!("{}\n{next}\n", files.join("\n"));
     console.show(&Answer { text, json: json!({ "folder": folder.display().to_string(), "files": files }) })?;
     Ok(Ending::Done)

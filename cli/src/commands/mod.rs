@@ -3,6 +3,7 @@
 mod advise;
 mod agree;
 mod calibrate;
+mod campaign;
 mod command;
 mod command_line;
 mod completions;

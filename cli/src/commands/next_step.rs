@@ -2,12 +2,23 @@
 
 use super::Command;
 
+/// What comes after a look at a robot that is so called on a command line: a robot file over a bare URDF, else a motion, else its log.
+pub(super) fn on_a_robot(robot: &str, is_bare_urdf: bool) -> String {
+    if is_bare_urdf {
+        return format!("next: armid init {robot}\n");
+    }
+    format!(
+        "next, without a log: armid advise {robot}\nwith a log:          armid identify LOG --robot {robot} -o E.json\n"
+    )
+}
+
 impl Command {
     /// The commands that help on, where an error names none itself.
     pub(crate) const fn next_step(&self) -> &'static str {
         match self {
             Self::Robot(_) => "`armid robot` lists the bundled robots, `armid robot crs-a460` describes one",
             Self::Advise(_) => "`armid robot ROBOT` checks the robot alone, `armid advise --help` shows examples",
+            Self::Campaign(_) => "`armid robot ROBOT` checks the robot alone, `armid campaign --help` shows examples",
             Self::Init(_) => "`armid robot ROBOT` checks the robot alone, `armid init --help` shows examples",
             Self::Agree(_) => "`armid robot ROBOT` checks the robot alone, `armid doctor` says which engines are here",
             Self::Reduce(_) => "`armid robot ROBOT` checks the robot alone, `armid reduce --help` shows examples",

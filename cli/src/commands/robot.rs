@@ -5,14 +5,18 @@ use std::path::Path;
 
 use armid::model::format::{Geometry, parse_robot};
 use armid::model::term::Term;
-use armid::model::{Columns, DhConvention, EffortInterface, Joint, JointKind, Obstacle, Robot, Shape, Solid, bundled};
+use armid::model::{
+    Columns, DhConvention, Drive, EffortInterface, Joint, JointKind, Obstacle, Robot, Shape, Solid, bundled,
+};
 use armid::provenance::Provenance;
 use armid_io::{Error, LoadedRobot, output, robot};
 use miette::Result;
 use serde_json::{Value, json};
 
+use super::next_step::on_a_robot;
+use crate::answers::findings::paragraph;
 use crate::arguments::ChainArguments;
-use crate::terminal::{Answer, Console, Ending, Table, number};
+use crate::terminal::{Answer, Console, Ending, Table, stated};
 
 const AFTER_HELP: &str = "\
 Examples:
@@ -42,7 +46,13 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         return write(arguments, name, place, console);
     }
     let answer = match &arguments.robot {
-        Some(name) => describe(&arguments.chain.load(name)?),
+        Some(name) => {
+            let loaded = arguments.chain.load(name)?;
+            let is_bare_urdf = loaded.urdf.as_ref().is_some_and(|urdf| urdf.text == loaded.text);
+            let mut answer = describe(&loaded);
+            let _ = write!(answer.text, "\n{}", on_a_robot(&arguments.chain.on_command_line(name), is_bare_urdf));
+            answer
+        }
         None => list(),
     };
     console.answer(&answer)?;
@@ -101,17 +111,21 @@ fn describe(loaded: &LoadedRobot) -> Answer {
     let _ = writeln!(
         text,
         "gravity in the base frame  ({}) m/s²",
-        gravity.iter().map(|&g| number(g)).collect::<Vec<_>>().join(", ")
+        gravity.iter().map(|&g| stated(g)).collect::<Vec<_>>().join(", ")
     );
     let _ = writeln!(text, "effort                     {}", effort(robot.effort()));
     let _ = writeln!(text, "SHA-256 of the file        {}", provenance.robot_sha256);
     let _ = write!(text, "\nChain\n{}", chain(robot).render(2));
     let _ = write!(text, "\nLimits\n{}", limits(robot).render(2));
-    let _ = write!(text, "\nDrives\n{}", drives(robot).render(2));
+    if robot.joints().iter().any(|joint| states_a_drive(&joint.drive)) {
+        let _ = write!(text, "\nDrives\n{}", drives(robot).render(2));
+    } else {
+        text.push_str("\nDrives: none stated, motor and joint are the same\n");
+    }
     if let Some(coupling) = robot.coupling() {
         let _ = write!(text, "\nCoupling, motor coordinates from joint coordinates\n");
         for row in coupling.row_iter() {
-            let cells: Vec<String> = row.iter().map(|&c| format!("{:>6}", number(c))).collect();
+            let cells: Vec<String> = row.iter().map(|&c| format!("{:>6}", stated(c))).collect();
             let _ = writeln!(text, "  {}", cells.join(" "));
         }
     }
@@ -126,22 +140,24 @@ fn describe(loaded: &LoadedRobot) -> Answer {
             for ((joint, link), drive) in robot.joints().iter().zip(&parameters.links).zip(&parameters.drives) {
                 let com = if link.mass > 0.0 { link.first_moment / link.mass } else { link.first_moment };
                 let com: Vec<String> = com.iter().map(|&c| format!("{c:>8.4}")).collect();
-                let own = [joint.name.clone(), number(link.mass), com.join("")];
-                table.row(own.into_iter().chain(terms.iter().map(|&term| number(drive[term]))));
+                let own = [joint.name.clone(), stated(link.mass), com.join("")];
+                table.row(own.into_iter().chain(terms.iter().map(|&term| stated(drive[term]))));
             }
             let _ = write!(text, "\n{heading}\n{}", table.render(2));
         }
     }
     if !loaded.collisions.is_empty() {
+        let shapes = loaded.collisions.iter().map(|shape| match &shape.geometry {
+            Ok(Geometry::Mesh { file, .. }) => {
+                let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
+                format!("{}: mesh {name}", shape.body)
+            }
+            Ok(geometry) => format!("{}: {}", shape.body, geometry.kind()),
+            Err(fault) => format!("{} cannot be read: {fault}", shape.body),
+        });
+        let shapes: Vec<String> = shapes.collect();
         let _ = writeln!(text, "\nCollision shapes, which `armid design` holds clearances against");
-        for shape in &loaded.collisions {
-            let what = match &shape.geometry {
-                Ok(Geometry::Mesh { file, .. }) => format!("mesh {file}"),
-                Ok(geometry) => geometry.kind().to_owned(),
-                Err(fault) => format!("cannot be read: {fault}"),
-            };
-            let _ = writeln!(text, "  {}: {what}", shape.body);
-        }
+        text += &paragraph(&shapes.join(", "), 2);
     }
     if !loaded.remarks.is_empty() {
         let mut remarks = Table::of("Remarks");
@@ -169,7 +185,7 @@ fn chain(robot: &Robot) -> Table {
             None => ("placed", None),
         };
         let cells =
-            row.map_or([const { String::new() }; 4], |row| [row.offset_deg, row.d, row.a, row.alpha_deg].map(number));
+            row.map_or([const { String::new() }; 4], |row| [row.offset_deg, row.d, row.a, row.alpha_deg].map(stated));
         let kind = match joint.kind {
             JointKind::Revolute => "revolute",
             JointKind::Prismatic => "prismatic",
@@ -188,14 +204,23 @@ fn limits(robot: &Robot) -> Table {
         let unit = joint.kind.unit();
         table.row([
             joint.name.clone(),
-            format!("{} … {}", number(angle(low)), number(angle(high))),
+            format!("{} … {}", stated(angle(low)), stated(angle(high))),
             if revolute { "°" } else { "m" }.to_owned(),
-            format!("{} {unit}/s", number(joint.limits.velocity)),
-            format!("{} {unit}/s²", number(joint.limits.acceleration)),
-            format!("{} {}", number(joint.limits.torque), joint.kind.effort_unit()),
+            format!("{} {unit}/s", stated(joint.limits.velocity)),
+            format!("{} {unit}/s²", stated(joint.limits.acceleration)),
+            format!("{} {}", stated(joint.limits.torque), joint.kind.effort_unit()),
         ]);
     }
     table
+}
+
+/// Whether the file says anything of a drive; torque at the joint needs none.
+fn states_a_drive(drive: &Drive) -> bool {
+    let ratios = [drive.gear, drive.torque_constant, drive.encoder_sign];
+    ratios.iter().any(|&ratio| ratio != 1.0)
+        || drive.current_limit.is_finite()
+        || drive.counts_per_revolution > 0.0
+        || drive.coulomb_velocity > 0.0
 }
 
 fn drives(robot: &Robot) -> Table {
@@ -206,15 +231,15 @@ fn drives(robot: &Robot) -> Table {
         let drive = &joint.drive;
         table.row([
             joint.name.clone(),
-            number(drive.gear),
-            number(drive.torque_constant),
-            number(drive.current_limit),
-            number(drive.counts_per_revolution),
-            number(drive.encoder_sign),
-            number(drive.current_noise),
-            number(drive.adc_range),
+            stated(drive.gear),
+            stated(drive.torque_constant),
+            stated(drive.current_limit),
+            stated(drive.counts_per_revolution),
+            stated(drive.encoder_sign),
+            stated(drive.current_noise),
+            stated(drive.adc_range),
             drive.adc_bits.to_string(),
-            number(drive.coulomb_velocity),
+            stated(drive.coulomb_velocity),
         ]);
     }
     table

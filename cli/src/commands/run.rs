@@ -19,7 +19,7 @@ use crate::arguments::{GuardArguments, MeshArguments, one_of};
 use crate::arms::resumption::{Found, Part};
 use crate::arms::{self, ArmKind, Experiment, Speed, resumption, speed};
 use crate::interrupt;
-use crate::terminal::{Console, Ending, bar, real_time, report_folder};
+use crate::terminal::{Answer, Console, Ending, bar, real_time, report_folder};
 
 const AFTER_HELP: &str = "\
 EXPERIMENT is a TOML file, a folder with experiment.toml, or a bundled name:
@@ -100,7 +100,43 @@ pub(crate) struct Arguments {
     recording: Option<PathBuf>,
 }
 
+impl Arguments {
+    /// An experiment that is performed at its speed behind the guard: on a real arm by way of lower ones, and from where it ended.
+    pub(super) fn guarded(experiment: String, is_real: bool, yes_the_estop_works: bool, meshes: MeshArguments) -> Self {
+        let guarding =
+            GuardArguments { guard: true, first_run: is_real, yes_the_estop_works, ..GuardArguments::default() };
+        Self {
+            experiment,
+            arm: None,
+            seed: None,
+            run: None,
+            periods: None,
+            resume: is_real,
+            guarding,
+            meshes,
+            #[cfg(debug_assertions)]
+            panic_after: None,
+            recording: None,
+        }
+    }
+}
+
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    let (answer, ending) = run_at(arguments, None, console)?;
+    console.show(&answer)?;
+    warn(ending, console);
+    Ok(ending)
+}
+
+/// Says where an arm was not seen at rest.
+pub(super) fn warn(ending: Ending, console: &Console) {
+    if ending == Ending::NotConfirmed {
+        console.alarm(NOT_CONFIRMED);
+    }
+}
+
+/// Performs an experiment, whose recording goes to a place or else where the console says.
+pub(super) fn run_at(arguments: &Arguments, place: Option<PathBuf>, console: &Console) -> Result<(Answer, Ending)> {
     let mut experiment = Experiment::load(&arguments.experiment)?;
     experiment.planned.seed = arguments.seed.unwrap_or(experiment.planned.seed);
     experiment.planned.run = arguments.run.unwrap_or(experiment.planned.run);
@@ -110,7 +146,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     hold_shapes(&mut experiment, &arguments.meshes, console)?;
     verify(&experiment)?;
     let name = &experiment.planned.name;
-    let path = console.output_or(|| Ok::<_, Fault>(report_folder("name", name)?.join("recording.mcap")))?;
+    let usual = || console.output_or(|| Ok::<_, Fault>(report_folder("name", name)?.join("recording.mcap")));
+    let path = place.map_or_else(usual, Ok)?;
 
     let mut earlier = arguments.guarding.earlier.clone();
     let (mut steps, mut whole) = (Vec::new(), None);
@@ -161,19 +198,17 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             break;
         }
     }
-    match &whole {
-        Some(path) if steps.is_empty() => console.show(&resumption::already_whole(path))?,
-        _ => console.show(&answer(&steps))?,
-    }
-    Ok(steps.last().map_or(Ending::Done, |done| match done.performed.ending {
-        _ if done.performed.ending.is_unconfirmed() => {
-            console.alarm(NOT_CONFIRMED);
-            Ending::NotConfirmed
-        }
+    let answer = match &whole {
+        Some(path) if steps.is_empty() => resumption::already_whole(path),
+        _ => answer(&steps),
+    };
+    let ending = steps.last().map_or(Ending::Done, |done| match done.performed.ending {
+        _ if done.performed.ending.is_unconfirmed() => Ending::NotConfirmed,
         PlanEnding::Completed => Ending::Done,
         PlanEnding::Stopped { .. } => Ending::Interrupted,
         PlanEnding::Diverged { .. } | PlanEnding::Tripped { .. } => Ending::Negative,
-    }))
+    });
+    Ok((answer, ending))
 }
 
 /// Draws how the arm will move, before anybody is asked whether it may.

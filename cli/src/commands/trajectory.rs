@@ -12,7 +12,7 @@ use miette::Result;
 
 use crate::arguments::{ChainArguments, one_of};
 use crate::arms::Speed;
-use crate::terminal::{Answer, Console, Ending, Table, number, report_folder};
+use crate::terminal::{Answer, Console, Ending, Table, report_folder, stated};
 
 const AFTER_HELP: &str = "\
 FILE is an experiment, or a trajectory alone. A trajectory alone gets --settle, --ramp and --periods, and \
@@ -123,14 +123,14 @@ fn words(points: &SetPoints, robot: Option<&str>) -> String {
     let mut text = format!(
         "{} points at {} Hz, {} s from rest to rest; periods of {} s from {} s\n",
         points.rows.len(),
-        number(points.rate_hz),
-        number(points.duration_s),
-        number(points.period_s),
-        number(points.periodic_from_s)
+        stated(points.rate_hz),
+        stated(points.duration_s),
+        stated(points.period_s),
+        stated(points.periodic_from_s)
     );
     let mut table = Table::of("joint | #begins at, rad (m) | #largest speed, rad/s | #largest acceleration, rad/s²");
     for ((joint, start), [_, speed, acceleration]) in points.joints.iter().zip(&points.rows[0]).zip(&points.largest) {
-        table.row([joint.clone(), number(*start), number(*speed), number(*acceleration)]);
+        table.row([joint.clone(), stated(*start), stated(*speed), stated(*acceleration)]);
     }
     text.push_str(&table.render(2));
     let _ = match robot {

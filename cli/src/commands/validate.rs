@@ -16,8 +16,9 @@ use crate::terminal::{Answer, Console, Ending, Table, Watch};
 
 const AFTER_HELP: &str = "\
 The verdict is `passed` (exit 0) if the error of every joint is within --limit of its measured RMS, else \
-`failed` (exit 1). Rows that a fit would leave out do not count; errors over all rows are listed too. \
-Mapping and processing are those of the estimate. A URDF or MJCF predicts with its own parameters.
+`failed` (exit 1). The log of the fit cannot pass. Rows of the fit count, those that a fit would use; errors \
+on all rows are listed too. Mapping and processing are those of the estimate. A URDF or MJCF predicts with \
+its own parameters.
 
 Examples:
   armid validate E.json other.mcap
@@ -61,12 +62,16 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 }
 
 fn verdict_text(of: &ValidationVerdict, log: &ProcessedLog, verbose: bool) -> String {
-    let mut text = format!("{} by {}: {} (limit {} %)\n\n", of.recording, of.by, of.verdict, number(100.0 * of.limit));
+    let is_own = of.log_of_fit.is_some();
+    let verdict = if is_own && of.verdict == "failed" { "not a validation, and failed" } else { of.verdict };
+    let mut text = format!("{} by {}: {verdict} (limit {} %)\n\n", of.recording, of.by, number(100.0 * of.limit));
     for remark in &of.remarks {
         let _ = writeln!(text, "{}", paragraph(remark, 2));
     }
-    let mut table = Table::of("joint | #difference RMS |  | #of the measured |  | #below the bandwidth | #on all rows");
     let (validation, residual) = (&of.validation, &of.residual);
+    let below = number(residual.bandwidth_hz);
+    let mut table =
+        Table::of(&format!("joint | #difference RMS |  | #of the measured |  | #below {below} Hz | #on all rows"));
     for (i, joint) in log.joint_names().into_iter().enumerate() {
         let share = validation.relative_rms[i];
         table.row([
@@ -74,14 +79,17 @@ fn verdict_text(of: &ValidationVerdict, log: &ProcessedLog, verbose: bool) -> St
             number(validation.rms[i]),
             validation.units[i].clone(),
             format!("{:.2} %", 100.0 * share),
-            ValidationVerdict::word(share <= of.limit).to_owned(),
+            match share <= of.limit {
+                true if is_own => "",
+                true => "passed",
+                false => "failed",
+            }
+            .to_owned(),
             percent(residual.used.share[i]),
             percent(residual.all.share[i]),
         ]);
     }
     let total = [percent(residual.used.total), percent(residual.all.total)];
     table.row(["total", "", "", "", "", &total[0], &total[1]]);
-    let bandwidth = number(residual.bandwidth_hz);
-    let _ = write!(text, "{}\n  the bandwidth is {bandwidth} Hz\n{}", table.render(2), left_out(log, verbose));
-    text
+    text + &table.render(2) + "\n" + &left_out(log, verbose)
 }

@@ -11,7 +11,7 @@ mod table;
 mod watch;
 
 pub(crate) use answer::{Answer, Ending};
-pub(crate) use armid_workflow::numbers::number;
+pub(crate) use armid_workflow::numbers::{number, stated};
 pub(crate) use console::Console;
 pub(crate) use destination::{Destination, Writes, report_folder};
 pub(crate) use flags::Flags;

@@ -7,6 +7,7 @@ use super::closed_loop::ClosedLoopError;
 use crate::base::BaseError;
 use crate::linalg::LeastSquaresError;
 use crate::model::ColumnsError;
+use crate::number::significant;
 use crate::signal::SignalError;
 
 /// Why there is no estimate.
@@ -47,8 +48,9 @@ pub enum EstimationError {
     Columns(#[from] ColumnsError),
     /// Friction of the load did not come to rest.
     #[error(
-        "friction of the load: the fit still changes by {change:.1e} after {rounds} rounds, expected at most {rest}; leave \"load\" \
-         out of the columns"
+        "friction of the load: the fit still changes by {} after {rounds} rounds, expected at most {rest}; leave \"load\" out of the \
+         columns",
+        significant(*change, 2)
     )]
     LoadNotAtRest { change: f64, rounds: usize, rest: f64 },
     /// The estimate is of another base.

@@ -92,6 +92,10 @@ pub struct Estimate {
     pub base: Vec<BaseEstimate>,
     /// Covariance of β̂, b rows of b.
     pub covariance: Vec<Vec<f64>>,
+    /// The part of it that is of noise, b rows of b: what more motion averages out. Empty where all of it is, and of estimators that do not
+    /// tell them apart.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub noise_covariance: Vec<Vec<f64>>,
     /// What one standard deviation of each declared quantity of the motors adds to β̂, b rows: torque constant and lag, motor by motor. It
     /// is part of the covariance, and the same error in every log of the arm. Empty where none is declared.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -144,6 +148,8 @@ impl Estimate {
         let sizes = [("covariance", self.covariance.len(), b)]
             .into_iter()
             .chain(self.covariance.iter().map(|row| ("a row of covariance", row.len(), b)))
+            .chain((!self.noise_covariance.is_empty()).then_some(("noise_covariance", self.noise_covariance.len(), b)))
+            .chain(self.noise_covariance.iter().map(|row| ("a row of noise_covariance", row.len(), b)))
             .chain((!self.motor_errors.is_empty()).then_some(("motor_errors", self.motor_errors.len(), b)))
             .chain(self.motor_errors.iter().map(|row| ("a row of motor_errors", row.len(), self.motor_errors[0].len())))
             .chain([("residual_rms", self.residual_rms.len(), n), ("noise_std", self.noise_std.len(), n)]);
@@ -261,7 +267,16 @@ impl Estimate {
 
     /// Covariance of β̂, b × b.
     pub fn covariance_matrix(&self) -> DMatrix<f64> {
+        self.square(&self.covariance)
+    }
+
+    /// Covariance of β̂ by noise alone, b × b.
+    pub fn noise_covariance_matrix(&self) -> DMatrix<f64> {
+        self.square(if self.noise_covariance.is_empty() { &self.covariance } else { &self.noise_covariance })
+    }
+
+    fn square(&self, rows: &[Vec<f64>]) -> DMatrix<f64> {
         let b = self.base.len();
-        DMatrix::from_fn(b, b, |i, j| self.covariance[i][j])
+        DMatrix::from_fn(b, b, |i, j| rows[i][j])
     }
 }

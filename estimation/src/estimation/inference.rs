@@ -107,6 +107,7 @@ impl Inference<'_> {
         let equations = self.problem.factorised()?;
         let residual_rms = ResidualScale::of(observation).rms(&equations.residual_products(beta));
         let (noise, mut covariance) = self.covariance(&equations, self.noise)?;
+        let by_noise = covariance.clone();
         let (mut freedom, mut interval_basis) = (self.noise.degrees_of_freedom, self.basis);
         let (mut beyond, mut found) = (Vec::new(), None);
         if self.basis == IntervalBasis::Scatter {
@@ -167,6 +168,7 @@ impl Inference<'_> {
             robot: observation.robot.clone(),
             columns: observation.columns.to_string(),
             shape: observation.shape.clone(),
+            noise_covariance: if covariance == by_noise { Vec::new() } else { rows_of(&by_noise) },
             covariance: rows_of(&covariance),
             motor_errors: motor_errors.as_ref().map(rows_of).unwrap_or_default(),
             consistent: completion.as_ref().map(|c| c.findings.is_empty()),

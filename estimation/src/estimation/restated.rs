@@ -18,6 +18,7 @@ impl Estimate {
         let b = self.base.len();
         self.covariance =
             (0..b).map(|i| (0..b).map(|j| 0.5 * (covariance[(i, j)] + covariance[(j, i)])).collect()).collect();
+        self.noise_covariance = Vec::new();
         self.findings.retain(|finding| !matches!(finding, Finding::PoorlyDetermined { .. }));
         let mut findings = poorly_determined(&self.base);
         findings.append(&mut self.findings);

@@ -77,6 +77,11 @@ impl EvaluationMotions {
         Self::new(motions, robot.dof())
     }
 
+    /// The mean square of torque on them: G of [`Prediction`], b × b, for the base columns of `regressor`.
+    pub fn gram(&self, robot: &Robot, regressor: &JointTorqueRegressor, base: &BaseReduction) -> DMatrix<f64> {
+        self.prediction(robot, regressor, base, &vec![None; robot.dof()], None, 1.0).gram
+    }
+
     /// What a criterion needs of them: of the base columns of `regressor`, with the joints that are frozen where they
     /// stand, after an experiment of so many torque rows.
     pub(super) fn prediction(

@@ -60,6 +60,13 @@ pub struct RatioPanel {
     pub cells: Vec<Vec<Option<Ratio>>>,
 }
 
+impl RatioPanel {
+    /// The lines under its title, where it is so wide, px.
+    fn subtitles(&self, width: f64) -> Vec<String> {
+        Font::LARGE.wrap(&self.subtitle, width, SUBTITLES)
+    }
+}
+
 /// A ratio to the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ratio {
@@ -74,6 +81,9 @@ const NAMES: f64 = 130.0;
 const GAP: f64 = 18.0;
 const ROW: f64 = 46.0;
 const LANE: f64 = 19.0;
+/// Height of a line under the title of a panel, px, and how many there may be.
+const SUBTITLE: f64 = 20.0;
+const SUBTITLES: usize = 2;
 const RADIUS: f64 = 6.5;
 const NOT_SIGNIFICANT: &str = "not significant";
 /// Filled and hollow marks of the two groups.
@@ -147,15 +157,13 @@ impl RatioFigure {
     fn panel(&self, canvas: &mut Canvas, panel: &RatioPanel, area: &Rect, span: Span) {
         let x = |value: f64| area.left + span.fraction(value) * area.width();
         let middle = area.centre().0;
-        canvas.text(
-            &Font::LARGE_BOLD.fit(&panel.title, area.width()),
-            (middle, area.top - 34.0),
-            Font::LARGE_BOLD,
-            Colour::TEXT,
-            Align::Middle,
-        );
-        let subtitle = Font::LARGE.fit(&panel.subtitle, area.width());
-        canvas.text(&subtitle, (middle, area.top - 13.0), Font::LARGE, Colour::MUTED, Align::Middle);
+        let mut y = area.top - 13.0;
+        for line in panel.subtitles(area.width()).iter().rev() {
+            canvas.text(line, (middle, y), Font::LARGE, Colour::MUTED, Align::Middle);
+            y -= SUBTITLE;
+        }
+        let title = Font::LARGE_BOLD.fit(&panel.title, area.width());
+        canvas.text(&title, (middle, y - 1.0), Font::LARGE_BOLD, Colour::TEXT, Align::Middle);
         canvas.rectangle(&Rect { right: x(1.0), ..*area }, Ink::new(Colour::BAND, 0.0));
         for tick in ticks(&span, area.width(), 5.0, |label| Font::LARGE.width(label)) {
             let at = x(tick.value);
@@ -202,13 +210,15 @@ impl Figure for RatioFigure {
     fn draw(&self, sheet: Sheet) -> Result<Drawing, FigureError> {
         let span = self.check()?;
         let head = LargeHead::new(&self.heading, &self.legend(), sheet);
-        let (whole, top) = (head.width, head.height + 52.0);
+        let whole = head.width;
+        let left = MARGIN + NAMES + 6.0;
+        let width = (whole - MARGIN - left + GAP) / self.panels.len() as f64 - GAP;
+        let lines = self.panels.iter().map(|panel| panel.subtitles(width).len()).max().unwrap_or(0);
+        let top = head.height + 32.0 + SUBTITLE * lines.max(1) as f64;
         let bottom = top + self.rows.len() as f64 * ROW;
         let mut canvas = Canvas::new(whole, bottom + 80.0);
         head.draw(&mut canvas, |canvas, number, at| self.entry(canvas, number, at));
         self.names(&mut canvas, top);
-        let left = MARGIN + NAMES + 6.0;
-        let width = (whole - MARGIN - left + GAP) / self.panels.len() as f64 - GAP;
         for (index, panel) in self.panels.iter().enumerate() {
             let left = left + index as f64 * (width + GAP);
             self.panel(&mut canvas, panel, &Rect { left, top, right: left + width, bottom }, span);
@@ -221,7 +231,7 @@ impl Figure for RatioFigure {
 
 #[cfg(test)]
 mod tests {
-    use super::{Figure, Group, Heading, Interval, Ratio, RatioFigure, RatioPanel};
+    use super::{Figure, Group, Heading, Interval, Ratio, RatioFigure, RatioPanel, Sheet};
 
     fn figure(rows: usize, interval: Interval) -> RatioFigure {
         let ratio = Some(Ratio { interval, is_significant: false });
@@ -250,6 +260,19 @@ mod tests {
         };
         assert!(is_named("D-optimal"));
         assert!(!is_named("a reference whose name is far too long for the half of a panel that is left to it"));
+    }
+
+    #[test]
+    fn a_line_under_a_title_is_broken_where_a_column_has_no_room_for_it() {
+        let mut figure = figure(1, Interval::new(2.0, 1.5, 2.5));
+        figure.panels[0].subtitle = "80 designs per criterion".into();
+        figure.panels.push(figure.panels[0].clone());
+        for (sheet, lines) in [(Sheet::Page, 1), (Sheet::Column, 2)] {
+            let svg = figure.draw(sheet).unwrap().svg().unwrap();
+            assert!(!svg.contains('…'), "{svg}");
+            assert_eq!(svg.matches("criterion").count(), 2, "{svg}");
+            assert_eq!(svg.matches("80 designs per criterion").count(), 2 * (2 - lines), "{svg}");
+        }
     }
 
     #[test]

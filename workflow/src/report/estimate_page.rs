@@ -75,7 +75,7 @@ impl<'a> TorqueComparison<'a> {
         log: &'a ProcessedLog,
         (used, held_out): (&TorqueResidual, Option<&TorqueResidual>),
     ) -> Result<Self, Error> {
-        let mut shares = vec![in_percent("used rows", used, true), in_percent("all rows", used, false)];
+        let mut shares = vec![in_percent("rows of the fit", used, true), in_percent("all rows", used, false)];
         shares.extend(held_out.map(|residual| in_percent("held out", residual, false)));
         let is_held_out = !log.held_out.is_empty();
         let parts = if is_held_out { &log.held_out[..1] } else { &log.parts[..1] };

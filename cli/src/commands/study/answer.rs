@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use armid_workflow::numbers::{error_percent, number};
 use armid_workflow::study::{Looks, Part, Stage, StudyAnswer};
 use miette::Result;
 
@@ -15,7 +16,7 @@ pub(super) fn show(answer: &StudyAnswer, console: &Console) -> Result<Ending> {
             if let Some(looks) = &whole.looks {
                 console.note(looks_text(looks).trim_end());
             }
-            console.show(&study::answer(whole))?;
+            console.show(&study::answer(whole, console.global.verbose))?;
             Ok(if whole.is_positive() { Ending::Done } else { Ending::Negative })
         }
         StudyAnswer::OnRobots(answer) => {
@@ -46,9 +47,10 @@ fn looks_text(looks: &Looks) -> String {
     let end = if looks.is_met() { "met" } else { "not met with all starts of the plan" };
     let mut text = format!("{}: {end}\n", looks.until);
     for look in &looks.looks {
-        let interval = look.interval.map_or("no interval yet".to_owned(), |i| format!("[{:.4}, {:.4}]", i.low, i.high));
-        let share = look.share.map_or(String::new(), |share| format!(", ±{:.2} %", 100.0 * share));
-        let _ = writeln!(text, "{:>5} starts: ratio {:.4} {interval}{share}", look.starts, look.ratio);
+        let interval =
+            look.interval.map_or("no interval yet".to_owned(), |i| format!("[{}, {}]", number(i.low), number(i.high)));
+        let share = look.share.map_or(String::new(), |share| format!(", ±{}", error_percent(share)));
+        let _ = writeln!(text, "{:>5} starts: ratio {} {interval}{share}", look.starts, number(look.ratio));
     }
     text
 }

@@ -25,6 +25,7 @@ pub(in crate::estimation) fn estimate_of(
         shape: Vec::new(),
         base: base.names().into_iter().enumerate().map(of).collect(),
         covariance: rows_of(covariance),
+        noise_covariance: Vec::new(),
         motor_errors: Vec::new(),
         servo: Vec::new(),
         standard: None,

@@ -163,6 +163,7 @@ fn estimate(of: &Estimate, load: &BaseReduction, fitted: &Fitted, freedom: f64) 
         columns: "rigid".to_owned(),
         base: load.names().into_iter().enumerate().map(parameter).collect(),
         covariance: rows_of(&fitted.covariance),
+        noise_covariance: Vec::new(),
         motor_errors: Vec::new(),
         servo: Vec::new(),
         standard: None,

@@ -22,7 +22,7 @@
 mod body;
 mod change;
 #[cfg(test)]
-mod fixtures;
+pub(super) mod fixtures;
 mod load;
 #[cfg(test)]
 mod tests;

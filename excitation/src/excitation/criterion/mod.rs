@@ -9,8 +9,8 @@
 //!
 //! A criterion does not depend on robots: it turns M into a value and ∂value/∂M; the chain to the trajectory's
 //! coefficients is the objective's. One that asks what the estimate is for gets a [`Prediction`], one that expects effects
-//! their moments. Each is one file here, and all are listed once, in [`CriterionKind`], but [`PayloadOptimal`], which is made for
-//! one base.
+//! their moments. Each is one file here, and all are listed once, in [`CriterionKind`], but [`PayloadOptimal`] and
+//! [`LinearOptimal`], which are made for one base.
 
 mod a_optimal;
 mod condition;
@@ -23,6 +23,7 @@ mod definition;
 mod e_optimal;
 mod i_optimal;
 mod kind;
+mod linear;
 mod model_error;
 mod payload;
 mod prediction;
@@ -39,6 +40,7 @@ pub use definition::{Criterion, Score};
 pub use e_optimal::EOptimal;
 pub use i_optimal::IOptimal;
 pub use kind::CriterionKind;
+pub use linear::LinearOptimal;
 pub use model_error::ModelError;
 pub use payload::PayloadOptimal;
 pub use prediction::{Carried, Prediction};

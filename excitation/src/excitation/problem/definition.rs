@@ -219,19 +219,22 @@ impl DesignProblem {
     /// ```text
     /// M_prior = information / (n · equations)
     /// ```
-    /// A row of the criterion and a row of the prior then weigh the same.
+    /// A row of the criterion and a row of the prior then weigh the same. A criterion that weighs noise against effects expects these
+    /// equations.
     ///
     /// # Errors
-    /// As [`Self::set_prior`] and [`Self::set_noise`].
+    /// As [`Self::set_prior`], [`Self::set_noise`] and [`Self::set_rows`].
     pub fn set_collected(
         &mut self,
         information: &DMatrix<f64>,
         noise: &[f64],
         equations: usize,
     ) -> Result<(), ExcitationError> {
-        let prior = information / (self.robot.dof() * equations) as f64;
+        let rows = (self.robot.dof() * equations) as f64;
+        let prior = information / rows;
         check_prior(&prior, self.base())?;
         self.set_noise(noise.to_vec())?;
+        self.set_rows(rows)?;
         self.set_prior(prior)
     }
 

@@ -1,0 +1,148 @@
+"""How often the intervals of `armid campaign` cover the true parameters where it ends, and how long the arm moves until then.
+
+    ARMID=target/release/armid python tests/python/campaign_runs.py [--arms crs-a460 puma-560 staubli-tx40] [--campaigns 67] [--shard 1/4]
+        [--effect load-friction=0.05] [--rounds 8] [--evaluations 60] -o DIR
+
+Each arm has four targets: predicted torque, the Coulomb friction and the viscous friction of joint 2, and an inertia. Their limits are what
+one D-optimal motion reaches in five rounds of a pilot; with --effect they are half of what errors of the model leave there. Then every
+campaign is performed with redesign, target by target, and once with one motion repeated, which is looked at target by target. Finished
+campaigns are kept in DIR, and a shard performs every Nth one. Without any left, the table is printed: *time* is the geometric mean of seconds
+with redesign over those with repetition, *covered* the share of intervals at the end that hold the true value, with its 95 % interval.
+"""
+
+import argparse
+import json
+import math
+import os
+import subprocess
+import tempfile
+import tomllib
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+ARMID = Path(os.environ["ARMID"]).resolve()
+INERTIA = {"crs-a460": "mcx2", "puma-560": "mcx2", "staubli-tx40": "mcx2", "planar-2r": "mcx2"}
+PILOT = 5
+DRIVE = {
+    "Ia": "rotor_kg_m2", "Fv": "viscous_nm_s_rad", "Fc": "coulomb_nm", "Fo": "offset_nm", "Fvm": "motor_viscous_nm_s_rad",
+    "Fcm": "motor_coulomb_nm",
+}
+TEN = ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"]
+
+
+def armid(*words, codes=(0, 1)):
+    run = subprocess.run([ARMID, *map(str, words), "--json", "--quiet"], capture_output=True, text=True)
+    if run.returncode not in codes:
+        raise RuntimeError(f"armid {' '.join(map(str, words))}\n{run.stderr}")
+    return json.loads(run.stdout)
+
+
+def truth(arm):
+    """True base parameters by name: those of every link about the origin of its frame, and of every drive, combined as `reduce` says."""
+    told = tomllib.loads((ROOT / "models" / arm / "truth.toml").read_text(encoding="utf-8"))
+    values = {}
+    for number, link in enumerate(told["link"], 1):
+        mass = link["mass_kg"]
+        about = link.get("inertia_kg_m2") or link["inertia_about_com_kg_m2"]
+        origin = np.array([[about[min(a, b) + max(a, b)] for b in "xyz"] for a in "xyz"])
+        moment = np.array(link["first_moment_kg_m"] if "first_moment_kg_m" in link else [mass * x for x in link["com_m"]])
+        if "com_m" in link:
+            origin += (moment @ moment * np.eye(3) - np.outer(moment, moment)) / mass
+        ten = [mass, *moment, *(origin[a, b] for a, b in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)])]
+        values.update({f"{name}{number}": value for name, value in zip(TEN, ten, strict=True)})
+    for number, drive in enumerate(told["drive"], 1):
+        values.update({f"{name}{number}": drive.get(key, 0.0) for name, key in DRIVE.items()})
+    base = armid("reduce", arm, "--columns", "rigid+rotor+friction")["base"]
+    return {of["name"]: sum(term["coefficient"] * values[term["parameter"]] for term in of["terms"]) for of in base}
+
+
+def campaign(arguments, arm, seed, until, repeats):
+    """The answer of one campaign."""
+    with tempfile.TemporaryDirectory() as scratch:
+        plan = Path(scratch) / "plan.toml"
+        effects = "".join(f"[effects]\n{name} = {float(size)}\n" for name, size in [arguments.effect.split("=")]) if arguments.effect else ""
+        plan.write_text(f'robot = "{arm}"\nrate_hz = 200.0\nperiods = 4\n{effects}', encoding="utf-8")
+        words = [word for target in until for word in ("--until", target)]
+        words += ["--seed", seed, "--rounds", arguments.rounds, "--starts", 1, "--evaluations", arguments.evaluations]
+        return armid("campaign", plan, *words, *(["--repeat"] if repeats else []), "-o", Path(scratch) / "campaign")
+
+
+def stored(path, make):
+    """What a file holds, or what is made and stored in it, whole or not at all."""
+    if not path.is_file():
+        made = make()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.with_suffix(".part").write_text(json.dumps(made), encoding="utf-8")
+        path.with_suffix(".part").rename(path)
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def targets(arguments, arm):
+    """The four targets of an arm, by a pilot."""
+    names = ["torque", "Fc2", "Fv2", INERTIA[arm]]
+
+    def pilot():
+        small = [f"{name} <= 1e-9{' %' if name == 'torque' else ''}" for name in names]
+        answer = campaign(argparse.Namespace(**{**vars(arguments), "rounds": PILOT if not arguments.effect else 2}), arm, 0, small, True)
+        last = answer["rounds"][-1]["widths"]
+        widths = [0.5 * of["by_model_error"] if arguments.effect else of["half_width"] for of in last]
+        return [f"{name} <= {100 * width:.3g} %" if name == "torque" else f"{name} <= {width:.3g}" for name, width in zip(names, widths, strict=True)]
+
+    return stored(arguments.output / arm / "targets.json", pilot)
+
+
+def end(answer, index, limit):
+    """Where a campaign ends for one of its targets: the round, and whether the target is reached there."""
+    for round_ in answer["rounds"]:
+        if round_["widths"][index]["half_width"] <= limit:
+            return round_, True
+    return answer["rounds"][-1], False
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--arms", nargs="+", default=["crs-a460", "puma-560", "staubli-tx40"], choices=INERTIA)
+    parser.add_argument("--campaigns", type=int, default=67)
+    parser.add_argument("--shard", default="1/1")
+    parser.add_argument("--effect")
+    parser.add_argument("--rounds", type=int, default=8)
+    parser.add_argument("--evaluations", type=int, default=60)
+    parser.add_argument("-o", "--output", type=Path, required=True)
+    arguments = parser.parse_args()
+    part, parts = map(int, arguments.shard.split("/"))
+    print("| arm | target | campaigns | rounds | time | covered | reached | out of reach |\n|---|---|---|---|---|---|---|---|")
+    ratios, hits, count = [], 0, 0
+    for arm in arguments.arms:
+        until, true = targets(arguments, arm), truth(arm)
+        seeds = [seed for seed in range(1, arguments.campaigns + 1) if seed % parts == part % parts]
+        rows = [[] for _ in until]
+        for seed in seeds:
+            repeated = stored(arguments.output / arm / f"{seed}-repeat.json", lambda: campaign(arguments, arm, seed, until, True))
+            for index, target in enumerate(until):
+                own = stored(arguments.output / arm / f"{seed}-{index}.json", lambda: campaign(arguments, arm, seed, [target], False))
+                name, bound = target.split(" <= ")
+                limit = float(bound.removesuffix(" %")) / (100.0 if bound.endswith("%") else 1.0)
+                last, width = own["rounds"][-1], own["rounds"][-1]["widths"][0]
+                covered = None if name == "torque" else abs(width["value"] - true[name]) <= width["half_width"]
+                other, reached = end(repeated, index, limit)
+                both = own["outcome"] == "reached" and reached
+                rows[index].append((len(own["rounds"]), math.log(last["total_s"] / other["total_s"]) if both else None, covered, own["outcome"]))
+        for target, row in zip(until, rows, strict=True):
+            logs = [log for _, log, _, _ in row if log is not None]
+            seen = [covered for _, _, covered, _ in row if covered is not None]
+            outcomes = [outcome for *_, outcome in row]
+            ratios, hits, count = ratios + ([np.mean(logs)] if logs else []), hits + sum(seen), count + len(seen)
+            time = f"{math.exp(np.mean(logs)):.2f}" if logs else "–"
+            share = f"{np.mean(seen):.3f}" if seen else "–"
+            rounds = np.median([rounds for rounds, *_ in row])
+            print(f"| {arm} | `{target}` | {len(row)} | {rounds:.0f} | {time} | {share} | {outcomes.count('reached')} | {outcomes.count('model-error')} |", flush=True)
+    if ratios and count:
+        p, z = hits / count, 1.96
+        middle, half = (p + z * z / 2 / count) / (1 + z * z / count), z * math.sqrt(p * (1 - p) / count + z * z / 4 / count**2) / (1 + z * z / count)
+        print(f"\ntime {math.exp(np.mean(ratios)):.3f}, covered {p:.3f} [{middle - half:.3f}, {middle + half:.3f}] of {count} intervals")
+
+
+if __name__ == "__main__":
+    main()

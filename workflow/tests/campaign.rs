@@ -1,0 +1,118 @@
+//! A campaign on a simulated arm: it ends where its targets are met, or says what keeps them out of reach, and goes on after any end.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use armid::experiment::{Arm, Replay};
+use armid::model::format::ChainEnds;
+use armid::observer::Unobserved;
+use armid_io::recording::{FileSink, McapSink};
+use armid_io::{LogSettings, experiment};
+use armid_workflow::campaign::{Campaign, CampaignAnswer, CampaignSettings, Outcome, Step, experiment_table};
+use armid_workflow::{LogSource, SimulationSettings, simulate};
+use toml::Value;
+
+/// A campaign whose rounds take little work.
+fn settings(until: &[&str]) -> CampaignSettings {
+    let mut experiment = experiment_table("planar-2r", &ChainEnds::default()).unwrap();
+    experiment.insert("rate_hz".to_owned(), Value::Float(250.0));
+    experiment.insert("periods".to_owned(), Value::Integer(3));
+    let until = until.iter().map(|target| target.parse().unwrap()).collect();
+    let usual = CampaignSettings::new(experiment, until);
+    CampaignSettings { most_rounds: 6, period_s: 4.0, starts: 1, evaluations: 40, ..usual }
+}
+
+/// Performs the next round; `false` where there is none.
+fn perform(campaign: &mut Campaign) -> bool {
+    let Step::Perform(round) = campaign.next(&Unobserved).unwrap() else { return false };
+    let planned = experiment::load(round.experiment().to_str().unwrap()).unwrap();
+    let (effects, sensing) = (planned.effects, planned.sensing);
+    let arm =
+        SimulationSettings { effects, sensing, seed: planned.seed, run: planned.run, ..SimulationSettings::default() };
+    let simulated = simulate(&planned.robot, &planned.plan, &arm, &Unobserved).unwrap();
+    let mut sink = Box::new(McapSink::new(&round.recording(), BTreeMap::new(), |_| {}));
+    let ending = Replay(simulated.recording).perform(&planned.plan, &mut *sink).unwrap();
+    let log = sink.finish(&ending, BTreeMap::new()).unwrap();
+    let (log, inputs) = LogSource::default().find(&[log], None).unwrap().process(LogSettings::default()).unwrap();
+    campaign.take(log, &inputs, &Unobserved).unwrap();
+    true
+}
+
+fn whole(settings: CampaignSettings, folder: &Path) -> CampaignAnswer {
+    let mut campaign = Campaign::begin(settings, folder).unwrap();
+    while perform(&mut campaign) {}
+    campaign.answer().unwrap()
+}
+
+/// Every file below a folder with its bytes.
+fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(files(&path));
+        } else {
+            found.push((path.display().to_string(), std::fs::read(&path).unwrap()));
+        }
+    }
+    found.sort();
+    found
+}
+
+const REACHED: [&str; 2] = ["Fc2 <= 8.5 %", "torque <= 0.6 %"];
+
+#[test]
+fn identity_a_campaign_that_is_ended_after_every_step_has_the_bytes_of_one_in_a_piece() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("campaign");
+    let answer = whole(settings(&REACHED), &place);
+    assert_eq!(answer.outcome, Outcome::Reached, "{answer:#?}");
+    assert!(answer.rounds.len() >= 2 && answer.met == [true, true]);
+    let last = answer.rounds.last().unwrap();
+    assert_eq!(last.total_s, answer.rounds.iter().map(|round| round.seconds).sum::<f64>());
+    // Information adds up: intervals become narrower.
+    for pair in answer.rounds.windows(2).filter(|pair| pair[1].widened_by == 1.0) {
+        assert!(pair[1].widths[0].half_width < pair[0].widths[0].half_width, "{pair:?}");
+    }
+    let bytes = files(&place);
+    std::fs::remove_dir_all(&place).unwrap();
+
+    Campaign::begin(settings(&REACHED), &place).unwrap();
+    let open = || Campaign::of_folder(&place).unwrap().unwrap();
+    // A motion without its experiment, and an experiment without its log.
+    open().next(&Unobserved).unwrap();
+    std::fs::remove_file(place.join("rounds/01/experiment.toml")).unwrap();
+    while perform(&mut open()) {}
+    assert_eq!(open().answer().unwrap(), answer);
+    assert!(files(&place) == bytes);
+}
+
+#[test]
+fn errors_of_the_model_keep_a_target_out_of_reach_and_have_a_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut wanted = settings(&["torque <= 0.2 %"]);
+    let effects = [("load-friction".to_owned(), Value::Float(0.1))].into_iter().collect();
+    wanted.experiment.insert("effects".to_owned(), Value::Table(effects));
+    let answer = whole(wanted, folder.path());
+    assert_eq!(answer.outcome, Outcome::ModelError, "{answer:#?}");
+    assert_eq!(answer.obstacles.len(), 1);
+    assert!(answer.obstacles[0].effect.contains("load friction"), "{:?}", answer.obstacles);
+}
+
+#[test]
+fn what_a_campaign_cannot_be_asked_for_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |settings: CampaignSettings| Campaign::begin(settings, folder.path()).unwrap_err().to_string();
+    assert!(refused(settings(&[])).contains("no target"));
+    assert!(refused(settings(&["Fc9 <= 1 %"])).contains("\"Fc9\" is no base parameter"));
+    assert!(refused(settings(&["payload.mass <= 1 %"])).contains("without it"));
+    let none = CampaignSettings { most_rounds: 0, ..settings(&REACHED) };
+    assert!(refused(none).contains("number of rounds is 0"));
+    assert!(refused(CampaignSettings { first_speed: 1.5, ..settings(&REACHED) }).contains("speed of the first round"));
+    // Nothing was written so far.
+    assert!(Campaign::of_folder(folder.path()).unwrap().is_none());
+    Campaign::begin(settings(&REACHED), folder.path()).unwrap();
+    assert!(refused(settings(&REACHED[..1])).contains("of another campaign"));
+}
