@@ -38,7 +38,8 @@ pub(super) struct ReducedResidual {
     pub(super) residual: DVector<f64>,
     /// F_k F_kᵀ, d × d each: the joint's own groups, then the shared laws.
     pub(super) groups: Vec<DMatrix<f64>>,
-    /// Square of the rest, and its degrees of freedom.
+    /// Square of the rest, and its degrees of freedom. Where functions depend on others, rounding decides which of the residual is here: it
+    /// moves the start of the search, and its end within its tolerance.
     pub(super) rest_square: f64,
     pub(super) rest_freedom: f64,
     /// Mean square of the residual in each own group's directions.
