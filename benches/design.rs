@@ -23,17 +23,17 @@ fn main() {
                 continue;
             }
             let mut problem =
-                DesignProblem::new(robot.clone(), Columns::RIGID_ROTOR_FRICTION, criterion, DesignLimits::of_motion())
+                DesignProblem::new(robot.clone(), Columns::RIGID_ROTOR_FRICTION, criterion, DesignLimits::motion())
                     .expect("a bundled robot has a base");
             let shares = &nominal.relative_uncertainty;
-            let spread = ParameterSpread::of(&robot, &nominal.parameters, shares, CONFIDENCE_95);
+            let spread = ParameterSpread::new(&robot, &nominal.parameters, shares, CONFIDENCE_95);
             let limits = DesignLimits {
                 nominal: Some(nominal.parameters.clone()),
                 spread: Some(spread),
                 margins: Margins { torque: 1.0, ..Margins::default() },
                 ramp_s: Some(2.0),
                 clearance_m: Some(0.02),
-                ..DesignLimits::of_motion()
+                ..DesignLimits::motion()
             };
             problem.set_limits(limits).expect("the limits are possible, and those of the robot");
             let began = Instant::now();

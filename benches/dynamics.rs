@@ -108,7 +108,7 @@ fn main() {
     let g: Vec<f64> = (0..regressor.rows() * regressor.cols()).map(|k| (k % 7) as f64 - 3.0).collect();
     let (mut dq, mut dqd, mut dqdd) = ([0.0; 6], [0.0; 6], [0.0; 6]);
     time("regressor, adjoint", 1, |k| {
-        regressor.adjoint(states.at(k), &g, [&mut dq, &mut dqd, &mut dqdd]);
+        regressor.adjoint(states.sample(k), &g, [&mut dq, &mut dqd, &mut dqdd]);
         black_box((&dq, &dqd, &dqdd));
     });
 }

@@ -130,8 +130,8 @@ fn samples(robot: &Robot, parameters: &StandardParameters, count: usize) {
 /// One start of a hundred evaluations of the criterion, every limit of a trajectory held.
 fn designs(figure: &str, robot: &Robot, harmonics: usize, size: usize) {
     for criterion in [CriterionKind::Condition, CriterionKind::DOptimal] {
-        let mut problem = DesignProblem::new(robot.clone(), COLUMNS, criterion, DesignLimits::of_motion())
-            .expect("a chain has a base");
+        let mut problem =
+            DesignProblem::new(robot.clone(), COLUMNS, criterion, DesignLimits::motion()).expect("a chain has a base");
         problem
             .set_space(DesignSpace::new(Family::Fourier, 10.0, vec![harmonics; robot.dof()]))
             .expect("a space that is possible");

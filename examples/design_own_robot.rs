@@ -54,7 +54,7 @@ coulomb_velocity_rad_s = 0.01
 fn main() -> Result<(), Box<dyn Error>> {
     let robot = parse_robot(ROBOT)?;
     // Without a guess of the robot's masses torque cannot be limited.
-    let limits = DesignLimits::of(&robot, None, None, &LimitSettings::default())?;
+    let limits = DesignLimits::for_robot(&robot, None, None, &LimitSettings::default())?;
     let problem = DesignProblem::new(robot, Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal, limits)?;
     let design = design(&problem, Seed::new(1), 0)?;
 

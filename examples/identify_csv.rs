@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
 
     let settings = LogSettings { from_s: skip_s.parse()?, ..LogSettings::periodic(period_s.parse()?) };
-    let processed = Log::read(Path::new(log))?.process(robot::named(name)?, &settings)?;
+    let processed = Log::read(Path::new(log))?.process(robot::find(name)?, &settings)?;
     let estimate = processed.identify(Columns::RIGID_ROTOR_FRICTION, EstimatorKind::Wls)?;
 
     for parameter in &estimate.base {

@@ -21,7 +21,7 @@ impl Arm for Exact {
         let (n, layout) = (self.robot.dof(), plan.check(self.robot.dof())?);
         sink.begin(&Recording {
             effort_unit: armid::model::EffortInterface::Torque,
-            ..Recording::begun(&self.robot, "", plan, &layout, None)
+            ..Recording::empty(&self.robot, "", plan, &layout, None)
         });
         let (command, mut dynamics) = (Command::new(plan, &layout), Dynamics::new(&self.robot, &self.parameters));
         let [mut q, mut qd, mut qdd, mut tau] = [(); 4].map(|()| vec![0.0; n]);
@@ -40,7 +40,7 @@ impl Arm for Exact {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let loaded: LoadedRobot = robot::named("crs-a460")?;
+    let loaded: LoadedRobot = robot::find("crs-a460")?;
     let parameters = loaded.truth()?.parameters;
     let plan = ExperimentPlan::new(trajectory::load("table-one", None, &loaded.robot)?).with_periods(2);
     let mut arm = Exact { robot: loaded.robot.clone(), parameters: parameters.clone() };

@@ -59,10 +59,10 @@ impl Estimator for Huber {
 fn main() -> Result<(), Box<dyn Error>> {
     // An experiment on a simulated arm, and a dozen readings of its torque that are far off. An equation is a mean over many
     // samples: outliers must be rare among the means to be recognised.
-    let loaded = robot::named("crs-a460")?;
+    let loaded = robot::find("crs-a460")?;
     let (arm, nominal) = (&loaded.robot, loaded.nominal.as_ref().expect("bundled robots have a nominal file"));
     let simulated = simulated_arm(&loaded, Engine::Analytic, Effects::none())?;
-    let truth = &simulated.truth().parameters;
+    let truth = &simulated.truth.parameters;
     let plan = ExperimentPlan::new(trajectory::load("table-one", None, arm)?);
     let mut servo = simulated.servo(&Sensing::default())?.with_seed(Seed::new(1), 0);
     let mut samples = process(&record(&mut servo, &plan)?.0, arm, &Processing::default())?;

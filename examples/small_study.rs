@@ -16,11 +16,11 @@ use armid_workflow::simulated_arm;
 const RUNS: u64 = 8;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let loaded = robot::named("crs-a460")?;
+    let loaded = robot::find("crs-a460")?;
     let (arm, nominal) = (&loaded.robot, loaded.nominal.as_ref().expect("bundled robots have a nominal file"));
     // What the simulated arm is made of. The estimator never sees it.
     let simulated = simulated_arm(&loaded, Engine::Analytic, Effects::none())?;
-    let truth = &simulated.truth().parameters;
+    let truth = &simulated.truth.parameters;
     let plan = ExperimentPlan::new(trajectory::load("table-one", None, arm)?);
     let identification = Identification::new(arm, Columns::RIGID_ROTOR_FRICTION)?.with_nominal(nominal);
     let exact = identification.base().beta(&truth.vector(arm, Columns::RIGID_ROTOR_FRICTION));

@@ -13,7 +13,7 @@ use armid_workflow::identification::{IdentifySettings, identify};
 use armid_workflow::{SimulationSettings, simulate, validate};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let loaded = robot::named("planar-2r")?;
+    let loaded = robot::find("planar-2r")?;
     // What the arm does along a trajectory inside all limits of the robot.
     let measured = |seed| {
         let settings =
@@ -25,13 +25,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     // Identify with one log, and validate on another.
     let answer = identify(measured(1)?, None, &IdentifySettings::default(), &Unobserved)?;
-    let found = validate(
-        (&[answer.estimates[0].estimate.clone()], "the estimate"),
-        &measured(2)?,
-        [None; 2],
-        0.05,
-        &Unobserved,
-    )?;
+    let found =
+        validate(&[answer.estimates[0].estimate.clone()], "the estimate", &measured(2)?, [None; 2], 0.05, &Unobserved)?;
     println!("torque prediction error, relative RMS per joint: {:?}", found.verdicts[0].validation.relative_rms);
     if found.passed() { Ok(()) } else { Err("the estimate should predict torque within 5 %".into()) }
 }

@@ -46,7 +46,7 @@ fn arms() -> Vec<(Robot, StandardParameters)> {
 }
 
 fn columns() -> Columns {
-    Columns::RIGID_ROTOR_FRICTION.with(LOAD_FRICTION).with(MOTOR_LOAD_FRICTION)
+    Columns::RIGID_ROTOR_FRICTION.with_term(LOAD_FRICTION).with_term(MOTOR_LOAD_FRICTION)
 }
 
 fn model(robot: &Robot, parameters: &StandardParameters) -> BaseModel {

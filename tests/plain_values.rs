@@ -64,7 +64,7 @@ fn unlimited_robot() -> Robot {
                 kind = \"prismatic\"\ndh = { offset_deg = 30, d_m = 0, a_m = 0.1, alpha_deg = 90 }\n";
     let circuit =
         MotorCircuit { resistance: 1.0, inductance: 0.0, back_emf: 0.1, brush_drop: 0.0, supply: f64::INFINITY };
-    let robot = parse_robot(text).expect("a robot").with_obstacle(Obstacle::above("table", 0.2));
+    let robot = parse_robot(text).expect("a robot").with_obstacle(Obstacle::everything_below("table", 0.2));
     robot.with_joints(|joint| joint.drive.circuit = Some(circuit)).expect("a robot")
 }
 
@@ -95,8 +95,8 @@ fn states() -> States {
 }
 
 fn small_design(robot: Robot) -> Design {
-    let problem = DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, DesignLimits::of_motion())
-        .expect("a problem");
+    let problem =
+        DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, DesignLimits::motion()).expect("a problem");
     design(&problem, Seed::new(1), 0).expect("a design")
 }
 

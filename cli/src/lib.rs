@@ -20,7 +20,7 @@ use clap::Parser;
 /// Everything between the arguments of the process and its exit status.
 pub fn main() -> ExitCode {
     terminal::install_reporter();
-    armid::remedy::speak(&terminal::Flags);
+    armid::remedy::set_wording(&terminal::Flags);
     let line = CommandLine::parse();
     let console = Console::new(line.global);
     let next_step = line.command.next_step();

@@ -11,7 +11,7 @@ const PENDULUM: &str = r#"<robot name="pendulum"><link name="world"/>
   <joint name="swing" type="continuous"><parent link="world"/><child link="rod"/><axis xyz="0 1 0"/>
     <dynamics damping="0.3"/></joint></robot>"#;
 
-/// The same rod in MuJoCo's format: its inertia is given about the centre of mass, too.
+/// The rod in MuJoCo's format: its inertia is given about the centre of mass, too.
 const PENDULUM_MJCF: &str = r#"<!-- a rod --><mujoco model="pendulum"><compiler angle="radian"/><worldbody><body name="rod">
   <joint name="swing" type="hinge" axis="0 1 0" damping="0.3"/>
   <inertial pos="0 0 -0.5" mass="2" diaginertia="0.1 0.1 0.01"/></body></worldbody></mujoco>"#;

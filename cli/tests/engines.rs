@@ -5,7 +5,7 @@ mod support;
 use assert_cmd::assert::Assert;
 use support::{armid, experiment, json, stderr, temporary};
 
-/// The same with a library that is named by the environment.
+/// Runs `armid` with a MuJoCo library that the environment names.
 fn with_library<const N: usize>(library: &std::path::Path, arguments: [&str; N]) -> Assert {
     assert_cmd::Command::new(assert_cmd::cargo::cargo_bin!("armid"))
         .env("ARMID_MUJOCO_LIB", library)

@@ -23,7 +23,7 @@ fn identity_a_design_of_the_library_is_that_of_the_command_byte_for_byte() {
     let told = json(&armid(arguments.iter().chain(&["--json", "-o", out.to_str().unwrap()])).success());
     let goal = DesignGoal::Arm(CriterionKind::DOptimal.into());
     let settings = DesignSettings { starts: 2, evaluations: 40, ..DesignSettings::new(goal) };
-    let loaded = armid_io::robot::named("planar-2r").unwrap();
+    let loaded = armid_io::robot::find("planar-2r").unwrap();
     let answer = design(&loaded, &settings, &Unobserved).unwrap().unwrap();
     assert_eq!(answer.toml(), std::fs::read_to_string(&out).unwrap());
     let own = serde_json::to_value(&answer).unwrap();
@@ -37,7 +37,7 @@ fn identity_a_design_of_the_library_is_that_of_the_command_byte_for_byte() {
 #[test]
 fn identity_a_reduction_of_the_library_is_that_of_the_command() {
     let told = json(&armid(["reduce", "crs-a460", "--json"]).success());
-    let loaded = armid_io::robot::named("crs-a460").unwrap();
+    let loaded = armid_io::robot::find("crs-a460").unwrap();
     let answer = reduce(&loaded, &ReductionSettings::default()).unwrap();
     assert_eq!(serde_json::to_value(&answer).unwrap(), told);
 }
@@ -83,7 +83,8 @@ fn identity_a_validation_and_a_model_file_of_the_library_are_those_of_the_comman
     let settings = LogSettings::default();
     let identified = armid_io::estimate::read(estimate.as_ref()).unwrap();
     let own = validate(
-        (std::slice::from_ref(&identified), &estimate),
+        std::slice::from_ref(&identified),
+        &estimate,
         &processed(&other, &settings),
         [None; 2],
         0.1,
@@ -98,7 +99,7 @@ fn identity_a_validation_and_a_model_file_of_the_library_are_those_of_the_comman
 
     let log = processed(&log, &settings);
     let settings = ExportSettings { format: Exchange::Mjcf, into: None, file: Some(model.clone().into()) };
-    let own = export((&identified, &estimate), log, &settings, &Unobserved).unwrap();
+    let own = export(&identified, &estimate, log, &settings, &Unobserved).unwrap();
     assert!(!own.is_sound() && !own.lacking.is_empty());
     assert_eq!(own.text, std::fs::read_to_string(&model).unwrap());
     assert_eq!(serde_json::to_value(&own).unwrap(), written);

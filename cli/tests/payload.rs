@@ -9,7 +9,7 @@ use support::{armid, json, stderr, temporary, write};
 
 const MAP: &str = "t=time_ms ms, q=pos_[1-6] deg, tau=torque_[1-6]";
 
-/// The same arm with a load on its last link: 0.5 kg become 2 kg, further out, and turn less easily.
+/// The arm with a load on its last link: 0.5 kg become 2 kg, further out, and turn less easily.
 fn loaded_urdf() -> String {
     let last = "<origin xyz=\"0.03 0.02 0.01\"/><mass value=\"0.5\"/>\n      <inertia ixx=\"0.001\" ixy=\"0\" ixz=\"0\" iyy=\"0.001\"";
     let loaded = "<origin xyz=\"0.06 0.01 0.03\"/><mass value=\"2\"/>\n      <inertia ixx=\"0.006\" ixy=\"0\" ixz=\"0\" iyy=\"0.007\"";

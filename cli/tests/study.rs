@@ -59,7 +59,7 @@ starts = 2
 evaluations = 5
 "#;
 
-/// The same in one engine, without effects.
+/// The plan in one engine, without effects.
 fn alone() -> String {
     let lines = PLAN.lines().filter(|line| !line.starts_with("engines") && !line.starts_with("conditions"));
     lines.map(|line| format!("{line}\n")).collect()

@@ -133,7 +133,7 @@ pub fn mesh(bytes: &[u8]) {
         if points.len() > 1000 || points.iter().flatten().any(|x| x.abs() > 1e3) {
             continue;
         }
-        let hull = Hull::around(&points).expect("there are points");
+        let hull = Hull::enclosing(&points).expect("there are points");
         for axis in 0..3 {
             let along = |p: &[f64]| p[axis];
             let furthest = points.iter().map(|p| along(p.as_slice())).fold(f64::NEG_INFINITY, f64::max);
@@ -208,7 +208,7 @@ pub fn journal(bytes: &[u8]) {
 /// The study whose journal is among the seeds.
 fn setup() -> StudySetup {
     let plan = StudyPlan::from_toml(STUDY).expect("a plan");
-    let loaded = armid_io::robot::named(&plan.robot).expect("a bundled robot");
+    let loaded = armid_io::robot::find(&plan.robot).expect("a bundled robot");
     let (truth, nominal) = (loaded.truth().expect("its truth"), loaded.nominal.expect("its nominal parameters"));
     StudySetup::new(plan, loaded.robot, nominal, &truth).expect("a study")
 }

@@ -82,7 +82,7 @@ impl Motion for Approach {
         self.duration_s
     }
 
-    fn at(&self, t: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
+    fn evaluate(&self, t: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
         self.evaluate(t, q, qd, qdd);
     }
 }

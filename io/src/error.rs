@@ -57,23 +57,18 @@ struct Place {
 }
 
 impl Error {
-    /// Something is not as expected.
-    pub fn new(message: impl Into<String>) -> Self {
-        Self { kind: ErrorKind::Invalid, message: shortened(message.into()), remedy: None, place: None }
-    }
-
-    /// Something is not as another part of armid expects, in that part's own words.
-    pub fn of(fault: impl fmt::Display) -> Self {
-        Self::new(fault.to_string())
+    /// Something is not as expected, in words or in those of another part's error.
+    pub fn new(message: impl fmt::Display) -> Self {
+        Self { kind: ErrorKind::Invalid, message: shortened(message.to_string()), remedy: None, place: None }
     }
 
     /// A name is neither a file nor compiled in.
-    pub fn unknown(message: impl Into<String>) -> Self {
+    pub fn unknown(message: impl fmt::Display) -> Self {
         Self { kind: ErrorKind::Unknown, ..Self::new(message) }
     }
 
     /// Two things do not belong together.
-    pub fn mismatch(message: impl Into<String>) -> Self {
+    pub fn mismatch(message: impl fmt::Display) -> Self {
         Self { kind: ErrorKind::Mismatch, ..Self::new(message) }
     }
 
@@ -92,7 +87,7 @@ impl Error {
             _ => None,
         };
         let place = path.display().to_string();
-        let makes = |task: Remedy| task.with(Setting::Output, &place).say(" makes such a file");
+        let makes = |task: Remedy| task.option(Setting::Output, &place).say(" makes such a file");
         let help = made_by.map(|(task, of)| makes(Remedy::task(task, of)));
         Self { kind: ErrorKind::Unreadable(error.kind()), ..Self::new(message).maybe_help(help) }
     }
@@ -107,7 +102,7 @@ impl Error {
     pub fn of_format(text: &Text, error: &FormatError) -> Self {
         let shown = Self::new(&error.message).maybe_help(suggestion::from_list_in(&error.message));
         match &error.span {
-            Some(span) => shown.at(text, span.clone(), "here"),
+            Some(span) => shown.at_span(text, span.clone(), "here"),
             None => shown.at_line(text, error.line, error.column),
         }
     }
@@ -122,13 +117,15 @@ impl Error {
     /// An error of the reader of TOML, shown in the text.
     pub fn of_toml(text: &Text, error: &toml::de::Error) -> Self {
         let message = error.message().trim_end();
-        Self::new(message).at(text, error.span().unwrap_or(0..0), "here").maybe_help(suggestion::from_list_in(message))
+        Self::new(message)
+            .at_span(text, error.span().unwrap_or(0..0), "here")
+            .maybe_help(suggestion::from_list_in(message))
     }
 
     /// Returns this error at some bytes of a text; the label stands under them.
     #[must_use]
-    pub fn at(mut self, text: &Text, span: Range<usize>, label: impl Into<String>) -> Self {
-        let (line, column) = text.position(span.start);
+    pub fn at_span(mut self, text: &Text, span: Range<usize>, label: impl Into<String>) -> Self {
+        let (line, column) = text.line_and_column(span.start);
         let end = span.end.clamp(span.start, text.content.len().max(span.start));
         let source = NamedSource::new(&text.name, Arc::clone(&text.content));
         let shown = can_be_shown(&text.content, &(span.start..end));
@@ -146,7 +143,7 @@ impl Error {
         while !text.content.is_char_boundary(end) {
             end += 1;
         }
-        self.at(text, start..end, "here")
+        self.at_span(text, start..end, "here")
     }
 
     /// Returns this error with advice.
@@ -242,7 +239,7 @@ fn can_be_shown(text: &str, span: &Range<usize>) -> bool {
 
 impl From<SizeError> for Error {
     fn from(error: SizeError) -> Self {
-        Self::new(error.to_string())
+        Self::new(error)
     }
 }
 
@@ -296,15 +293,15 @@ mod tests {
         let line = "1,".repeat(25_000_000);
         let text = Text::new("t.csv", format!("q1\n{line}\n2\n"));
         let began = std::time::Instant::now();
-        let error = Error::new(format!("found \"{line}\"")).at(&text, 3..line.len(), "here");
+        let error = Error::new(format!("found \"{line}\"")).at_span(&text, 3..line.len(), "here");
         assert_eq!(error.place(), Some(("t.csv", 2, 1)));
         assert!(error.source_code().is_none() && error.labels().is_none());
         let shown = error.to_string();
         assert!(shown.len() < 2_200 && shown.contains("bytes left out"), "{}", shown.len());
         assert!(began.elapsed().as_secs() < 5);
-        assert!(Error::new("odd").at(&text, 0..2, "here").source_code().is_none(), "its neighbour is as long");
+        assert!(Error::new("odd").at_span(&text, 0..2, "here").source_code().is_none(), "its neighbour is as long");
         let text = Text::new("t.csv", "q1\n1\n2\n");
-        assert!(Error::new("odd").at(&text, 3..4, "here").source_code().is_some());
+        assert!(Error::new("odd").at_span(&text, 3..4, "here").source_code().is_some());
     }
 
     #[test]

@@ -46,7 +46,7 @@ pub fn parse_all(text: &Text) -> Result<Vec<Estimate>, Error> {
         serde_json::from_str(&text.content).map_err(|error| Error::of_json(text, &error).help(EXPECTED))?;
     if estimates.is_empty() {
         let message = format!("{} holds an empty list, expected at least one estimate", text.name);
-        let help = Remedy::task(Task::Identify, "LOG").with(Setting::Output, &text.name).say(" makes such a file");
+        let help = Remedy::task(Task::Identify, "LOG").option(Setting::Output, &text.name).say(" makes such a file");
         return Err(Error::new(message).help(help));
     }
     estimates.iter().try_for_each(|estimate| check_lengths(estimate, text))?;
@@ -96,8 +96,8 @@ pub fn check_robot(estimate: &Estimate, name: &str, loaded: &LoadedRobot) -> Res
 pub(crate) fn mismatch(name: &str, what: &str, found: &str, expected: &str) -> Error {
     Error::mismatch(format!("{name}: the {what} is \"{found}\", expected \"{expected}\"")).help(
         Remedy::task(Task::Identify, "LOG")
-            .with(Setting::Robot, "…")
-            .with(Setting::Output, name)
+            .option(Setting::Robot, "…")
+            .option(Setting::Output, name)
             .say(" estimates again, of the robot at hand"),
     )
 }

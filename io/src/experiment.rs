@@ -138,14 +138,14 @@ pub fn parse(text: Text, folder: Option<&Path>) -> Result<Experiment, Error> {
         let place = spans.iter().find(|(key, span)| message.starts_with(key) && span.is_some());
         let place = place.or_else(|| spans[..1].iter().find(|(_, span)| span.is_some()));
         match place.and_then(|(_, span)| span.clone()) {
-            Some(span) => Error::new(message).at(&text, span, "here"),
+            Some(span) => Error::new(message).at_span(&text, span, "here"),
             None => Error::new(format!("{}: {message}", text.name)),
         }
     })?;
 
     if let Some(name) = &file.name {
         check_file_name("name", name.get_ref())
-            .map_err(|error| Error::new(error.to_string()).at(&text, name.span(), "here"))?;
+            .map_err(|error| Error::new(error).at_span(&text, name.span(), "here"))?;
     }
     let sensing = sensing(file.sensing, &text, robot.robot.dof())?;
     let effects = file.effects;
@@ -170,7 +170,7 @@ fn sensing(table: Option<SensingTable>, text: &Text, dof: usize) -> Result<Sensi
         let value = *step.get_ref();
         if !(value.is_finite() && value >= 0.0) {
             let message = format!("link_step is {value}, expected a number not below zero, rad (m)");
-            return Err(Error::new(message).at(text, step.span(), "here"));
+            return Err(Error::new(message).at_span(text, step.span(), "here"));
         }
         sensing.link_step = Some(value);
     }
@@ -178,7 +178,7 @@ fn sensing(table: Option<SensingTable>, text: &Text, dof: usize) -> Result<Sensi
         let values = noise.get_ref();
         if values.len() != dof || values.iter().any(|&value| !(value.is_finite() && value >= 0.0)) {
             let message = format!("position_noise is {values:?}, expected {dof} numbers not below zero, rad (m)");
-            return Err(Error::new(message).at(text, noise.span(), "here"));
+            return Err(Error::new(message).at_span(text, noise.span(), "here"));
         }
         sensing.position_noise = noise.into_inner();
     }

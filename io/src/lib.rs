@@ -2,7 +2,7 @@
 //!
 //! | from | to | by |
 //! |---|---|---|
-//! | a name or a file | [`LoadedRobot`]: robot, nominal parameters, text | [`robot::named`], [`robot::load`] |
+//! | a name or a file | [`LoadedRobot`]: robot, nominal parameters, text | [`robot::find`], [`robot::load`] |
 //! | MCAP, bags, and tables as text, gzip, NumPy or Parquet | [`Log`] | [`Log::read`], [`log::parse_csv`], [`log::parse_mcap`] |
 //! | tables of any shape | [`Log`] | [`log::find`], [`log::parse_tables`] with a [`log::Mapping`] |
 //! | meshes of a URDF | shapes that a clearance is held against | [`LoadedRobot::hold_collision_shapes`], [`mesh::read`] |
@@ -28,7 +28,7 @@
 //! use armid_io::{LogSettings, Text, log, robot};
 //! # use std::fmt::Write;
 //! # fn simulated(phase: f64) -> Result<Text, Box<dyn std::error::Error>> {
-//! #     let loaded = robot::named("planar-2r")?;
+//! #     let loaded = robot::find("planar-2r")?;
 //! #     let truth = loaded.truth()?.parameters;
 //! #     let mut dynamics = armid::dynamics::Dynamics::new(&loaded.robot, &truth);
 //! #     let mut csv = "t,q1,q2,tau1,tau2\n".to_owned();
@@ -54,12 +54,12 @@
 //! # }
 //! # let (text, other) = (simulated(1.0)?, simulated(2.0)?);
 //! let settings = LogSettings::periodic(2.0);
-//! let measured = log::parse_csv(text)?.process(robot::named("planar-2r")?, &settings)?;
+//! let measured = log::parse_csv(text)?.process(robot::find("planar-2r")?, &settings)?;
 //! let estimate = measured.identify(Columns::RIGID_ROTOR_FRICTION, EstimatorKind::Wls)?;
 //! for parameter in &estimate.base {
 //!     println!("{} = {} ± {} {}", parameter.name, parameter.value, parameter.std, parameter.unit);
 //! }
-//! let unused = log::parse_csv(other)?.process(robot::named("planar-2r")?, &settings)?;
+//! let unused = log::parse_csv(other)?.process(robot::find("planar-2r")?, &settings)?;
 //! assert!(unused.validate(&estimate, "the estimate")?.is_within(0.01));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -12,7 +12,7 @@ use crate::robot::LoadedRobot;
 
 /// What makes an estimate that a design can add to.
 fn again() -> Remedy {
-    let again = Remedy::task(Task::Identify, "LOG").with(Setting::Estimator, "wls").with(Setting::Output, "E.json");
+    let again = Remedy::task(Task::Identify, "LOG").option(Setting::Estimator, "wls").option(Setting::Output, "E.json");
     again.say(" makes an estimate that a design can add to")
 }
 

@@ -144,7 +144,7 @@ fn readme(loaded: &LoadedRobot, urdf: &str) -> String {
         ),
     };
     let line = |task: Task, of: &str, settings: &[(Setting, &str)]| {
-        let task = settings.iter().fold(Remedy::task(task, of), |task, (setting, value)| task.with(*setting, value));
+        let task = settings.iter().fold(Remedy::task(task, of), |task, (setting, value)| task.option(*setting, value));
         task.to_string().trim_matches('`').to_owned()
     };
     let run = |settings: &[(Setting, &str)]| line(Task::Run, "experiment.toml", settings);
@@ -187,7 +187,7 @@ fn readme(loaded: &LoadedRobot, urdf: &str) -> String {
          Afterwards:\n\n\
          ```sh\n{then}\n```\n",
         check = Remedy::task(Task::Robot, "robot.toml"),
-        advise = Remedy::task(Task::Advise, "robot.toml").with(Setting::Output, "advice"),
+        advise = Remedy::task(Task::Advise, "robot.toml").option(Setting::Output, "advice"),
         init = Remedy::task(Task::Init, ""),
         first = first.join("\n"),
         then = then.join("\n"),

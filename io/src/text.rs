@@ -72,7 +72,7 @@ impl Text {
     }
 
     /// Line and column of a byte, both counted from one.
-    pub fn position(&self, offset: usize) -> (usize, usize) {
+    pub fn line_and_column(&self, offset: usize) -> (usize, usize) {
         let mut offset = offset.min(self.content.len());
         while !self.content.is_char_boundary(offset) {
             offset -= 1;

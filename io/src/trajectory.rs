@@ -31,14 +31,14 @@ pub fn load(name: &str, beside: Option<&Path>, robot: &Robot) -> Result<Periodic
         _ => {
             let error = Error::unknown(format!("trajectory file not found: {}", path.display()));
             let is_file = name.ends_with(".toml");
-            let made = || a_design().with(Setting::Output, &path.display().to_string()).say(" makes it");
+            let made = || a_design().option(Setting::Output, &path.display().to_string()).say(" makes it");
             return Err(error.help(if is_file { made() } else { suggestion::help(name, &NAMES).into() }));
         }
     };
     if trajectory.joints.len() != robot.dof() {
         let message =
             format!("trajectory \"{name}\" moves 6 joints, expected the {} of \"{}\"", robot.dof(), robot.name());
-        let help = a_design().with(Setting::Output, "T.toml").say(" makes one for this robot");
+        let help = a_design().option(Setting::Output, "T.toml").say(" makes one for this robot");
         return Err(Error::mismatch(message).help(help));
     }
     for (moved, joint) in trajectory.joints.iter_mut().zip(robot.joints()) {
@@ -48,7 +48,7 @@ pub fn load(name: &str, beside: Option<&Path>, robot: &Robot) -> Result<Periodic
 }
 
 fn a_design() -> Remedy {
-    Remedy::task(Task::Design, "ROBOT").with(Setting::Criterion, "d-optimal")
+    Remedy::task(Task::Design, "ROBOT").option(Setting::Criterion, "d-optimal")
 }
 
 /// The certificate in a trajectory file; `None` where it has none, or the trajectory is compiled in.
@@ -61,7 +61,7 @@ pub fn certificate(name: &str, beside: Option<&Path>) -> Result<Option<Certifica
         return Ok(None);
     }
     let text = Text::read(&path)?;
-    Certificate::in_toml(&text.content).map_err(|fault| Error::new(format!("{}: {fault}", text.name)))
+    Certificate::from_toml(&text.content).map_err(|fault| Error::new(format!("{}: {fault}", text.name)))
 }
 
 /// Reads a trajectory from its text; its joints must be the robot's, in the robot's order.

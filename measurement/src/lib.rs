@@ -4,7 +4,7 @@
 
 pub use armid_excitation::excitation;
 pub use armid_mechanics::{chains, dynamics, input, linalg, model, observer, provenance, seed, spatial, trajectory};
-use armid_mechanics::{lanes, plain};
+use armid_mechanics::{lanes, plain, statistics};
 
 pub mod experiment;
 pub mod signal;

@@ -135,7 +135,7 @@ pub fn random_inertia(rng: &mut impl Rng) -> Inertia {
 
 fn random_drive(rng: &mut impl Rng, coupled: bool) -> DriveParameters {
     let mut draw = |low: f64, high: f64| rng.random_range(low..high);
-    let mut drive = DriveParameters::of(&[
+    let mut drive = DriveParameters::from_iter([
         (ROTOR, draw(0.05, 0.5)),
         (VISCOUS, draw(0.1, 5.0)),
         (COULOMB, draw(0.1, 5.0)),

@@ -1,7 +1,7 @@
 //! What helps against an error, in words that leave open how a reader sets a setting and starts a task?
 //!
 //! A command has flags, a library has fields, another language has keywords. A [`Remedy`] holds the settings and tasks with their values.
-//! A program says by [`speak`] how they are called; without it they are called by their names.
+//! A program says by [`set_wording`] how they are called; without it they are called by their names.
 
 use std::fmt;
 use std::sync::OnceLock;
@@ -82,7 +82,7 @@ pub enum Part {
 /// ```
 /// # use armid_mechanics as armid;
 /// use armid::remedy::{Remedy, Setting, Task};
-/// let help = Remedy::task(Task::Run, "EXPERIMENT").with(Setting::Output, "R.mcap").say(" makes one");
+/// let help = Remedy::task(Task::Run, "EXPERIMENT").option(Setting::Output, "R.mcap").say(" makes one");
 /// assert_eq!(help.to_string(), "`run EXPERIMENT, output R.mcap` makes one");
 /// assert_eq!(Remedy::from("leave out ").setting(Setting::Period).to_string(), "leave out `period`");
 /// ```
@@ -92,7 +92,7 @@ pub struct Remedy(pub Vec<Part>);
 impl Remedy {
     /// Begins with a setting and its value.
     pub fn set(setting: Setting, value: impl Into<String>) -> Self {
-        Self::default().to(setting, value)
+        Self::default().assign(setting, value)
     }
 
     /// Begins with a task that is done to something, which may be nothing.
@@ -100,37 +100,37 @@ impl Remedy {
         Self::default().perform(task, to)
     }
 
-    /// Goes on with words.
+    /// Adds words.
     #[must_use]
     pub fn say(mut self, words: impl Into<String>) -> Self {
         self.0.push(Part::Words(words.into()));
         self
     }
 
-    /// Goes on with a setting.
+    /// Adds a setting.
     #[must_use]
     pub fn setting(mut self, setting: Setting) -> Self {
         self.0.push(Part::Setting(setting, None));
         self
     }
 
-    /// Goes on with a setting and its value.
+    /// Adds a setting and its value.
     #[must_use]
-    pub fn to(mut self, setting: Setting, value: impl Into<String>) -> Self {
+    pub fn assign(mut self, setting: Setting, value: impl Into<String>) -> Self {
         self.0.push(Part::Setting(setting, Some(value.into())));
         self
     }
 
-    /// Goes on with a task.
+    /// Adds a task.
     #[must_use]
     pub fn perform(mut self, task: Task, to: &str) -> Self {
         self.0.push(Part::Task(task, to.to_owned(), Vec::new()));
         self
     }
 
-    /// The task before it takes this setting; an empty value is that of a setting without one.
+    /// Adds a setting to the task before it. A setting without a value has an empty one.
     #[must_use]
-    pub fn with(mut self, setting: Setting, value: &str) -> Self {
+    pub fn option(mut self, setting: Setting, value: &str) -> Self {
         if let Some(Part::Task(_, _, settings)) = self.0.last_mut() {
             settings.push((setting, value.to_owned()));
         }
@@ -174,8 +174,8 @@ pub trait Wording: Sync {
 /// The wording of this process, as it has one language.
 static WORDING: OnceLock<&'static dyn Wording> = OnceLock::new();
 
-/// From now on the process words remedies so. The first call counts: a program makes it where it begins.
-pub fn speak(wording: &'static dyn Wording) {
+/// Sets how this process words remedies. The first call counts: a program makes it where it begins.
+pub fn set_wording(wording: &'static dyn Wording) {
     let _ = WORDING.set(wording);
 }
 

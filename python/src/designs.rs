@@ -121,7 +121,7 @@ pub(crate) fn design(
         };
         let answer = designed(&loaded, &settings, &ended)?;
         let answer = answer.ok_or_else(|| Error::new("the search was ended before its first design"))?;
-        Ok((answer.toml(), serde_json::to_string(&answer).map_err(Error::of)?))
+        Ok((answer.toml(), serde_json::to_string(&answer).map_err(Error::new)?))
     })?;
     match own.and_then(|own| own.raised()) {
         Some(raised) => Err(raised),

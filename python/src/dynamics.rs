@@ -9,7 +9,7 @@ use numpy::{PyReadonlyArray1, PyReadwriteArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
 use crate::arrays::{Rows, check_lengths, finite, output, samples_of};
-use crate::fault::{raised, unexpected};
+use crate::fault::unexpected;
 use crate::robot::Robot;
 
 /// Numbers of one dimension.
@@ -53,7 +53,7 @@ pub(crate) fn regressor(
     mut out: Output<'_>,
 ) -> PyResult<()> {
     let [q, qd, qdd] = &samples;
-    let regressor = JointTorqueRegressor::new(&robot.loaded.robot, robot.columns(columns)?).map_err(raised)?;
+    let regressor = JointTorqueRegressor::new(&robot.loaded.robot, robot.columns(columns)?).map_err(unexpected)?;
     let rows = q.shape()[0];
     let samples = samples_of(robot.dof(), [q, qd, qdd])?;
     let (n, p) = (regressor.rows(), regressor.cols());
@@ -77,7 +77,7 @@ pub(crate) fn gram(
     mut moment: Output<'_>,
 ) -> PyResult<()> {
     let [q, qd, qdd, tau] = &samples;
-    let regressor = JointTorqueRegressor::new(&robot.loaded.robot, robot.columns(columns)?).map_err(raised)?;
+    let regressor = JointTorqueRegressor::new(&robot.loaded.robot, robot.columns(columns)?).map_err(unexpected)?;
     let samples = samples_of(robot.dof(), [q, qd, qdd])?;
     check_lengths(&[("q", q), ("tau", tau)])?;
     let (n, p) = (regressor.rows(), regressor.cols());
@@ -119,7 +119,7 @@ pub(crate) fn inverse_dynamics(
     let samples = samples_of(n, [q, qd, qdd])?;
     let out = output(&mut out, &[rows, n])?;
     py.detach(|| {
-        Dynamics::new(&robot.loaded.robot, &parameters).inverse_of(samples, out);
+        Dynamics::new(&robot.loaded.robot, &parameters).inverse_of_samples(samples, out);
     });
     Ok(())
 }

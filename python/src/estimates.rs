@@ -19,7 +19,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadwriteArrayDyn};
 use pyo3::prelude::*;
 
 use crate::arrays::{Rows, output, samples_of};
-use crate::fault::{exception, raised, unexpected};
+use crate::fault::{exception, unexpected};
 use crate::identification::{processed, samples};
 use crate::log::Log;
 use crate::robot::Robot;
@@ -114,7 +114,7 @@ pub(crate) fn predict(
         let regressor = estimate.regressor(&robot.loaded.robot, columns)?;
         predicted(&estimate, &regressor, &states)
     });
-    out.copy_from_slice(&torque.map_err(raised)?);
+    out.copy_from_slice(&torque.map_err(unexpected)?);
     Ok(())
 }
 
@@ -136,8 +136,8 @@ pub(crate) fn validate(
         let settings = as_before(before, &logs, part_s);
         let (log, now) = processed(&robot, &logs, &settings)?;
         let estimates = std::slice::from_ref(&made.estimate);
-        let answer = validated((estimates, &made.name), &log, [made.inputs.as_ref(), Some(&now)], limit, observer)?;
-        serde_json::to_string(&answer).map_err(Error::of)
+        let answer = validated(estimates, &made.name, &log, [made.inputs.as_ref(), Some(&now)], limit, observer)?;
+        serde_json::to_string(&answer).map_err(Error::new)
     })?;
     answer.map_err(exception)
 }
@@ -163,11 +163,11 @@ pub(crate) fn export(
     let made = Made::parse(file).map_err(exception)?;
     estimate::check_robot(&made.estimate, &made.name, &robot.loaded).map_err(exception)?;
     if let Some(language) = [Language::C, Language::Rust].into_iter().find(|language| language.name() == to) {
-        let source = py.detach(|| export_source((&made.estimate, &made.name), &robot.loaded, language, path));
+        let source = py.detach(|| export_source(&made.estimate, &made.name, &robot.loaded, language, path));
         let source = source.map_err(exception)?;
         let fault =
             (!source.is_sound()).then(|| "the operations of the source code differ from the regressor".to_owned());
-        let answer = serde_json::to_string(&source).map_err(raised)?;
+        let answer = serde_json::to_string(&source).map_err(unexpected)?;
         return Ok((source.text, answer, fault));
     }
     let Some(format) = FORMATS.into_iter().find(|format| format.name() == to) else {
@@ -187,9 +187,9 @@ pub(crate) fn export(
         };
         let settings = ExportSettings { format, into: into.as_deref().map(template).transpose()?, file: path };
         let (log, _) = made.log(&robot, &logs)?;
-        let file = exported((&made.estimate, &made.name), log, &settings, observer)?;
+        let file = exported(&made.estimate, &made.name, log, &settings, observer)?;
         let fault = (!file.is_sound()).then(|| file.prediction.sentence(&file.name));
-        Ok((file.text.clone(), serde_json::to_string(&file).map_err(Error::of)?, fault))
+        Ok((file.text.clone(), serde_json::to_string(&file).map_err(Error::new)?, fault))
     })?;
     answer.map_err(exception)
 }
@@ -217,7 +217,7 @@ pub(crate) fn torque<'py>(
     Ok((is_held_out, rate_hz, [table(measured)?, table(predicted)?]))
 }
 
-/// The same as the figure of the page: one SVG element.
+/// The figure of the page as one SVG element.
 #[pyfunction]
 pub(crate) fn draw(py: Python<'_>, robot: &Robot, file: File<'_>, logs: [Vec<PyRef<'_, Log>>; 2]) -> PyResult<String> {
     compared(py, robot, file, logs, |torque| torque.svg())
@@ -248,7 +248,7 @@ fn compared<T: Send + 'static>(
     let (robot, logs) = (robot.clone(), kept(logs));
     let answer = watched(py, None, Leaves::Nothing, move |_| {
         let (log, _) = made.log(&robot, &logs)?;
-        of(TorqueComparison::of((&made.estimate, &made.name), &log)?)
+        of(TorqueComparison::new(&made.estimate, &made.name, &log)?)
     })?;
     answer.map_err(exception)
 }
@@ -266,7 +266,7 @@ pub(crate) fn report(
     let (robot, logs) = (robot.clone(), kept(logs));
     let page = watched(py, None, Leaves::Files, move |observer| {
         let (log, inputs) = made.log(&robot, &logs)?;
-        write_estimate_report(&folder, (&made.estimate, &made.name), &log, inputs, Sheet::Screen, observer)
+        write_estimate_report(&folder, &made.estimate, &made.name, &log, inputs, Sheet::Screen, observer)
     })?;
     page.map_err(exception)
 }
@@ -278,7 +278,7 @@ pub(crate) enum Side<'py> {
     Logs(Vec<PyRef<'py, Log>>),
 }
 
-/// The same, which a thread may keep.
+/// A [`Side`] that a thread may keep.
 enum Kept {
     Estimate(Box<PayloadSide>),
     Logs(Vec<Log>),
@@ -308,7 +308,7 @@ impl Kept {
             None => Columns::RIGID_ROTOR_FRICTION,
         };
         let (mut log, inputs) = processed(robot, &logs, &as_before(before, &logs, (None, None)))?;
-        PayloadSide::of_log((&mut log, Some(inputs)), (columns, EstimatorKind::Wls), other, observer)
+        PayloadSide::of_log(&mut log, Some(inputs), columns, EstimatorKind::Wls, other, observer)
     }
 }
 
@@ -333,7 +333,7 @@ pub(crate) fn payload(
                 (without, with)
             }
         };
-        serde_json::to_string(&payload_of(&robot.loaded, without, with)?).map_err(Error::of)
+        serde_json::to_string(&payload_of(&robot.loaded, without, with)?).map_err(Error::new)
     })?;
     answer.map_err(exception)
 }

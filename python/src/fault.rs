@@ -17,12 +17,7 @@ pub(crate) fn exception(fault: Error) -> PyErr {
     })
 }
 
-/// The exception for something that is not as expected.
-pub(crate) fn unexpected(message: impl Into<String>) -> PyErr {
+/// The exception for something that is not as expected, in words or in those of a library's error.
+pub(crate) fn unexpected(message: impl std::fmt::Display) -> PyErr {
     exception(Error::new(message))
-}
-
-/// The exception for the fault of a library, in that library's own words.
-pub(crate) fn raised(fault: impl std::fmt::Display) -> PyErr {
-    exception(Error::of(fault))
 }

@@ -13,7 +13,7 @@ use serde_json::Value;
 
 use crate::callable::Method;
 use crate::estimator::PythonEstimator;
-use crate::fault::{exception, raised, unexpected};
+use crate::fault::{exception, unexpected};
 use crate::log::{Log, effort};
 use crate::robot::Robot;
 use crate::watch::{Leaves, watched};
@@ -108,11 +108,11 @@ pub(crate) fn samples(robot: &Robot, logs: Vec<armid_io::Log>, settings: &LogSet
 /// The columns that terms are selected from.
 fn candidates(text: &str) -> PyResult<Columns> {
     if text == "all" {
-        return Ok(candidate_terms().into_iter().fold(Columns::RIGID, Columns::with));
+        return Ok(candidate_terms().into_iter().fold(Columns::RIGID, Columns::with_term));
     }
     match Columns::parse_among(text, &candidate_terms()) {
         Some(columns) => Ok(columns),
-        None => Columns::parse_estimable(text).map_err(raised),
+        None => Columns::parse_estimable(text).map_err(unexpected),
     }
 }
 
@@ -187,7 +187,7 @@ pub(crate) fn identify(
             (!termination.was_successful()).then(|| termination.to_string())
         });
         let unfinished: Vec<_> = unfinished.collect();
-        Ok((serde_json::to_value(&answer).map_err(Error::of)?, unfinished))
+        Ok((serde_json::to_value(&answer).map_err(Error::new)?, unfinished))
     })?;
     // What a callable raised says more than where it was called.
     let (answer, unfinished) =

@@ -29,7 +29,7 @@ mod _armid {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        armid::remedy::speak(&crate::words::Keywords);
+        armid::remedy::set_wording(&crate::words::Keywords);
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 

@@ -173,7 +173,7 @@ impl Log {
             return Ok(Some(Robot::new(loaded, None, recorded.chain.clone())));
         }
         let Some(name) = &self.robot_name else { return Ok(None) };
-        let loaded = armid_io::robot::named(name).map_err(exception)?;
+        let loaded = armid_io::robot::find(name).map_err(exception)?;
         Ok(Some(Robot::new(loaded, Some(name.clone()), ChainEnds::default())))
     }
 

@@ -33,7 +33,7 @@ pub(crate) fn reduce<'py>(
     };
     let answer = py.detach(|| {
         let answer = reduced(&robot.loaded, &settings)?;
-        Ok((serde_json::to_string(&answer).map_err(Error::of)?, answer.base.k))
+        Ok((serde_json::to_string(&answer).map_err(Error::new)?, answer.base.k))
     });
     let (text, k) = answer.map_err(exception)?;
     let rows = k.row_iter().flat_map(|row| row.iter().copied().collect::<Vec<_>>());

@@ -10,7 +10,7 @@ use armid_io::{LoadedRobot, robot};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::fault::{exception, raised, unexpected};
+use crate::fault::{exception, unexpected};
 
 /// A robot, and what it was called.
 #[pyclass(frozen, module = "armid._armid")]
@@ -34,7 +34,7 @@ impl Robot {
 
     /// The parameters of a model that this robot can be estimated with.
     pub(crate) fn columns(&self, text: &str) -> PyResult<Columns> {
-        Columns::parse_estimable(text).map_err(raised)
+        Columns::parse_estimable(text).map_err(unexpected)
     }
 }
 

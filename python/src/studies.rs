@@ -44,7 +44,7 @@ pub(crate) fn study(
             let has_raised = searching.iter().any(PythonCriterion::has_raised);
             if has_raised { ControlFlow::Break(()) } else { observer.observe(progress) }
         };
-        serde_json::to_string(&perform(&plans, &settings, &ended)?).map_err(Error::of)
+        serde_json::to_string(&perform(&plans, &settings, &ended)?).map_err(Error::new)
     })?;
     if let Some(raised) = criteria.iter().find_map(PythonCriterion::raised) {
         return Err(raised);

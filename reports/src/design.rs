@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn a_curve_is_drawn_for_each_design_with_a_history() {
-        let limits = DesignLimits::of_motion();
+        let limits = DesignLimits::motion();
         let mut problem = DesignProblem::new(planar_2r(), Columns::RIGID, CriterionKind::Condition, limits).unwrap();
         problem.set_budget(DesignBudget { evaluations: 20, ..DesignBudget::default() }).unwrap();
         let drawn = random_design(&problem, Seed::new(3), 0).unwrap();

@@ -36,7 +36,7 @@
 //! let document = Document::new("Two designs").section(Section::new("Limits").figure(&figure)?);
 //! let html = document.html()?;
 //! assert!(html.contains("<svg") && html.contains("Torque is the binding limit"));
-//! assert_eq!(document.svg_files()?.len(), 1);
+//! assert_eq!(document.figures().count(), 1);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

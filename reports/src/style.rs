@@ -106,10 +106,10 @@ impl GroupStyle {
     ///
     /// ```
     /// use armid_reports::GroupStyle;
-    /// assert_eq!(GroupStyle::of("d-optimal"), GroupStyle::of("D-optimal"));
-    /// assert!(GroupStyle::of("another").is_none());
+    /// assert_eq!(GroupStyle::for_name("d-optimal"), GroupStyle::for_name("D-optimal"));
+    /// assert!(GroupStyle::for_name("another").is_none());
     /// ```
-    pub fn of(name: &str) -> Option<Self> {
+    pub fn for_name(name: &str) -> Option<Self> {
         let index = match name.to_lowercase().as_str() {
             "condition" | "condition number" | "wls" => 0,
             "d-optimal" | "d-optimality" | "ols" => 1,
@@ -156,17 +156,17 @@ impl Group {
     /// ```
     /// use armid_reports::{Group, GroupStyle};
     /// let groups = Group::assign(["d-optimal", "mine"]);
-    /// assert_eq!(groups[0].style, GroupStyle::of("d-optimal").unwrap());
+    /// assert_eq!(groups[0].style, GroupStyle::for_name("d-optimal").unwrap());
     /// assert_eq!(groups[1].style, GroupStyle::nth(0));
     /// ```
     pub fn assign<I: IntoIterator<Item = S>, S: Into<String>>(names: I) -> Vec<Self> {
         let names: Vec<String> = names.into_iter().map(Into::into).collect();
-        let mut taken: Vec<GroupStyle> = names.iter().filter_map(|name| GroupStyle::of(name)).collect();
+        let mut taken: Vec<GroupStyle> = names.iter().filter_map(|name| GroupStyle::for_name(name)).collect();
         names
             .into_iter()
             .enumerate()
             .map(|(position, label)| {
-                let style = GroupStyle::of(&label).unwrap_or_else(|| {
+                let style = GroupStyle::for_name(&label).unwrap_or_else(|| {
                     let free = (0..CYCLE.len()).map(GroupStyle::nth).find(|style| !taken.contains(style));
                     let style = free.unwrap_or_else(|| GroupStyle::nth(position));
                     taken.push(style);

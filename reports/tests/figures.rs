@@ -108,7 +108,7 @@ fn golden_figures_with_all_that_they_can_show() {
     let section = section.figure(&intervals()).unwrap().figure(&bars()).unwrap();
     let document = Document::new("Figures").section(section);
     assert_golden("figures.txt", &text_of(&document));
-    for (name, svg) in document.svg_files().unwrap() {
-        assert_golden(&name, svg);
+    for figure in document.figures() {
+        assert_golden(&format!("{}.svg", figure.name), &figure.svg);
     }
 }

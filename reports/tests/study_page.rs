@@ -37,9 +37,8 @@ fn input() -> ReportInput {
 }
 
 fn svg(document: &Document, name: &str) -> String {
-    let files = document.svg_files().unwrap();
-    let file = files.iter().find(|(file, _)| file.strip_suffix(".svg") == Some(name));
-    file.unwrap_or_else(|| panic!("no figure {name}")).1.to_owned()
+    let figure = document.figures().find(|figure| figure.name == name);
+    figure.unwrap_or_else(|| panic!("no figure {name}")).svg.clone()
 }
 
 #[test]
@@ -69,9 +68,9 @@ fn golden_page_of_a_study_on_two_robots() {
     for c in decided.into_iter().flatten().flat_map(|part| &mut part.findings.comparisons) {
         c.better = Some(if c.difference < 1.0 { c.first.clone() } else { c.second.clone() });
     }
-    let figure = criteria_figure(&[&first, &second].map(CriterionRatios::of));
+    let figure = criteria_figure(&[&first, &second].map(CriterionRatios::from_result));
     assert_golden("criteria.svg", &figure.svg().unwrap());
-    let summary = RobotsSummary::of(&[first, second]);
+    let summary = RobotsSummary::from_results(&[first, second]);
     assert_golden("robots.txt", &text_of(&robots_document(&summary).unwrap()));
 }
 
@@ -83,7 +82,7 @@ fn golden_criteria_over_the_size_of_an_effect() {
     result.conditions.clear();
     for (step, size) in [0.0, 0.0005, 0.005, 0.05].into_iter().enumerate() {
         let mut part = exact.clone();
-        part.condition.effects = Effects::none().with(EffectKind::LoadFriction, size);
+        part.condition.effects = Effects::none().with_effect(EffectKind::LoadFriction, size);
         for c in &mut part.findings.comparisons {
             if let Some(over) = c.over("d-optimal") {
                 let ratio = 2.0 * 0.6_f64.powi(step as i32);
@@ -93,7 +92,7 @@ fn golden_criteria_over_the_size_of_an_effect() {
         }
         result.conditions.push(part);
     }
-    let levels = EffectLevels::of(&result);
+    let levels = EffectLevels::from_result(&result);
     // ln ρ falls by ln 0.6 in a decade from 1.2 at 0.0005: 1 is reached after ln 1.2 / ln(1/0.6) of one.
     let expected = 0.0005 * 10.0_f64.powf(1.2_f64.ln() / (1.0 / 0.6_f64).ln());
     let lead =

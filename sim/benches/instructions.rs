@@ -141,7 +141,7 @@ fn experiments<'a>(arm: &Arm, plan: &'a ExperimentPlan) -> Vec<Piece<'a>> {
 fn whole<'a>(arm: &'a Arm, samples: &'a Samples, chain: &'a Robot) -> Vec<Piece<'a>> {
     let identification = Identification::new(&arm.robot, Columns::RIGID).expect("a bundled robot has a base");
     let mut problem =
-        DesignProblem::new(arm.robot.clone(), Columns::RIGID, CriterionKind::Condition, DesignLimits::of_motion())
+        DesignProblem::new(arm.robot.clone(), Columns::RIGID, CriterionKind::Condition, DesignLimits::motion())
             .expect("it has a base");
     problem.set_budget(DesignBudget { evaluations: 40, ..DesignBudget::default() }).expect("not zero");
     vec![

@@ -69,7 +69,9 @@ impl Engine {
         self,
         robot: &Robot,
         parameters: &StandardParameters,
-        (q, qd, qdd): (&[f64], &[f64], &[f64]),
+        q: &[f64],
+        qd: &[f64],
+        qdd: &[f64],
         tau: &[f64],
     ) -> Result<Vec<f64>, EngineError> {
         let (mut found, mut efforts) = (vec![0.0; q.len()], vec![0.0; q.len()]);

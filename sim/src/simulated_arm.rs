@@ -57,9 +57,12 @@ pub enum SimulationError {
 /// ```
 #[derive(Clone, Debug)]
 pub struct SimulatedArm {
-    robot: Robot,
-    nominal: StandardParameters,
-    truth: Truth,
+    /// The robot.
+    pub robot: Robot,
+    /// The parameters that its servo is tuned by.
+    pub nominal: StandardParameters,
+    /// What it is made of.
+    pub truth: Truth,
     engine: Engine,
     /// Added to those of the truth; where both have one, these count.
     effects: Effects,
@@ -87,23 +90,8 @@ impl SimulatedArm {
 
     /// Returns this arm with another truth; robot, servo and effects stay.
     #[must_use]
-    pub fn made_of(&self, truth: &Truth) -> Self {
+    pub fn with_truth(&self, truth: &Truth) -> Self {
         Self { truth: truth.clone(), ..self.clone() }
-    }
-
-    /// The robot.
-    pub const fn robot(&self) -> &Robot {
-        &self.robot
-    }
-
-    /// The parameters that its servo is tuned by.
-    pub const fn nominal(&self) -> &StandardParameters {
-        &self.nominal
-    }
-
-    /// What it is made of.
-    pub const fn truth(&self) -> &Truth {
-        &self.truth
     }
 
     /// The arm for one run, with these sensors.
@@ -175,7 +163,7 @@ impl SimulatedArm {
     }
 
     fn all_effects(&self) -> Effects {
-        self.truth.effects.and(&self.effects)
+        self.truth.effects.overridden_by(&self.effects)
     }
 
     fn actual(&self, effects: &Effects) -> ActualArm {

@@ -205,7 +205,7 @@ fn sensors_act_alike_in_every_engine() {
 #[test]
 fn identity_a_clock_slips_alike_in_every_engine_and_brings_samples_of_20_ms_before() {
     // Two seconds have few slips at either level.
-    let slips = Effects::none().with(EffectKind::ClockSlips, 0.3);
+    let slips = Effects::none().with_effect(EffectKind::ClockSlips, 0.3);
     let slipped = |engine| {
         let (with, without) =
             (perform(engine, &slips, &Sensing::ideal()), perform(engine, &Effects::none(), &Sensing::ideal()));
@@ -248,7 +248,7 @@ fn identity_runs_beside_each_other_have_the_bits_of_runs_alone_with_every_effect
         let effects = EffectKind::ALL
             .iter()
             .filter(|kind| !left_out.contains(kind))
-            .fold(Effects::none(), |effects, &kind| effects.with(kind, kind.magnitude(Level::Realistic)));
+            .fold(Effects::none(), |effects, &kind| effects.with_effect(kind, kind.magnitude(Level::Realistic)));
         let arm = ActualArm::new(&effects, &robot, &truth);
         let plant = AnalyticPlant::new(arm.robot(), arm.parameters()).unwrap();
         let servo = Servo::new(&robot, &nominal, plant).unwrap().with_effects(arm);

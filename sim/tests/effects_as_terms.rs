@@ -48,7 +48,7 @@ impl Experiment {
     fn arm(&self) -> (Robot, StandardParameters, ActualArm) {
         let (robot, truth) = planar();
         let robot = robot.with_joints(|joint| joint.drive.coulomb_velocity = self.velocity).unwrap();
-        let arm = ActualArm::new(&Effects::none().with(self.kind, self.magnitude), &robot, &truth);
+        let arm = ActualArm::new(&Effects::none().with_effect(self.kind, self.magnitude), &robot, &truth);
         (robot, truth, arm)
     }
 
@@ -63,7 +63,7 @@ impl Experiment {
         let (robot, _, arm) = self.arm();
         let entry = bundled().iter().find(|entry| entry.name == "planar-2r").unwrap();
         let nominal = parse_nominal(entry.nominal, &robot).unwrap().parameters;
-        let columns = terms.iter().fold(Columns::RIGID_ROTOR_FRICTION, |columns, &term| columns.with(term));
+        let columns = terms.iter().fold(Columns::RIGID_ROTOR_FRICTION, |columns, &term| columns.with_term(term));
         let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
         let regressor = JointTorqueRegressor::new(&robot, columns).expect("columns of motion");
         let plant = AnalyticPlant::new(arm.robot(), arm.parameters()).unwrap();
@@ -142,7 +142,7 @@ fn simulated_spring_of_a_cable_is_found_by_its_term_but_for_what_its_strands_add
     let truth = experiment.truth(SPRING);
     // What least squares make of the strands' torque along the motion as it is planned.
     let (robot, _, _) = experiment.arm();
-    let columns = Columns::RIGID_ROTOR_FRICTION.with(SPRING);
+    let columns = Columns::RIGID_ROTOR_FRICTION.with_term(SPRING);
     let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
     let regressor = JointTorqueRegressor::new(&robot, columns).expect("columns of motion");
     let states = motion(&robot).sample(1000);

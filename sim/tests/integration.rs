@@ -69,7 +69,7 @@ fn analytic_a_sliding_joint_under_viscous_friction() {
     let (robot, _) = pendulum();
     let robot = robot.with_gravity(Vector3::zeros());
     let mut parameters = StandardParameters::zero(1);
-    parameters.drives[0] = DriveParameters::of(&[(ROTOR, 0.7), (VISCOUS, 3.0), (OFFSET, -0.5)]);
+    parameters.drives[0] = DriveParameters::from_iter([(ROTOR, 0.7), (VISCOUS, 3.0), (OFFSET, -0.5)]);
     let mut plant = AnalyticPlant::new(&robot, &parameters).unwrap();
     for _ in 0..500 {
         plant.step(&[2.0], 1e-3).unwrap();

@@ -120,7 +120,7 @@ impl Arm {
     }
 
     fn columns(&self) -> Columns {
-        Columns::RIGID.with(self.term)
+        Columns::RIGID.with_term(self.term)
     }
 
     /// The efforts that the regressor gives, and those of the links alone.

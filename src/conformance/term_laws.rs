@@ -74,8 +74,8 @@ fn entry(term: Term) -> Result<(), LawError> {
     let alike = Term::ALL.iter().filter(|other| other.symbol() == term.symbol()).count();
     LawError::unless(law, alike <= 1, term.symbol(), "a symbol of its own")?;
     for kind in [JointKind::Revolute, JointKind::Prismatic] {
-        let alike = Term::ALL.iter().filter(|other| **other != term && other.entry().key.is(entry.key.of(kind)));
-        LawError::unless(law, alike.count() == 0, entry.key.of(kind), "a key of its own")?;
+        let alike = Term::ALL.iter().filter(|other| **other != term && other.entry().key.is(entry.key.for_kind(kind)));
+        LawError::unless(law, alike.count() == 0, entry.key.for_kind(kind), "a key of its own")?;
     }
     Ok(())
 }
@@ -178,7 +178,7 @@ impl Arm {
                 drive[term] = size * rng.random_range(0.2..1.0) * drive[COULOMB].min(1.0);
             }
         }
-        Self { robot, parameters, columns: Columns::default().with(term), rng }
+        Self { robot, parameters, columns: Columns::default().with_term(term), rng }
     }
 
     fn regressor(&self) -> JointTorqueRegressor {

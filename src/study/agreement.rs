@@ -22,8 +22,8 @@ crate::input::named! { Agreement as words {
 } }
 
 impl Agreement {
-    /// What the robots that have both families say: the better one on each, `None` if not significant.
-    pub fn of(better: &[Option<&str>]) -> Self {
+    /// The agreement of robots that have both families, by the better one on each: `None` if not significant.
+    pub fn from_better(better: &[Option<&str>]) -> Self {
         if better.len() < 2 {
             return Self::OneRobot;
         }
@@ -56,7 +56,7 @@ mod tests {
             (&[open], Agreement::OneRobot),
             (&[], Agreement::OneRobot),
         ] {
-            assert_eq!(Agreement::of(better), expected, "{better:?}");
+            assert_eq!(Agreement::from_better(better), expected, "{better:?}");
         }
     }
 }

@@ -38,12 +38,12 @@ pub struct EffectRatio {
 impl CriterionRatios {
     /// The ratios of a study with an exact model and with each single effect at its realistic level, last estimator, first
     /// engine. Other levels and combinations are left out: they repeat these effects.
-    pub fn of(result: &StudyResult) -> Self {
+    pub fn from_result(result: &StudyResult) -> Self {
         let plan = &result.plan;
         let (estimator, engine) = (plan.identification.estimators.last(), plan.engines.first());
         let mut ratios = Vec::new();
         for part in result.conditions.iter().filter(|part| Some(&part.condition.engine) == engine) {
-            let effects = plan.effects.and(&part.condition.effects);
+            let effects = plan.effects.overridden_by(&part.condition.effects);
             let effect = match effects.iter().collect::<Vec<_>>()[..] {
                 [] => None,
                 [(kind, size)] if kind.level(size) == Some(Level::Realistic) => Some(kind.name().to_owned()),

@@ -13,7 +13,7 @@ use crate::excitation::{
     Certificate, Criterion, CriterionKind, Design, DesignBudget, DesignLimits, DesignProblem, DesignSpace,
     ExcitationError, ExpectedEffects, HistoryPoint, Termination, design, random_design,
 };
-use crate::observer::{Observer, Unobserved};
+use crate::observer::Observer;
 use crate::trajectory::{Family, PeriodicTrajectory};
 
 /// One design of a study.
@@ -92,19 +92,11 @@ impl StudySetup {
         }
     }
 
-    /// Makes one design of one family. Families share their starts: start k of every family is the same first guess.
+    /// The designs of number `start` of all families of a sequence, from the first experiment to `family` itself. Families share
+    /// their starts: start k of every family is the same first guess. An observer may end their searches: they are then not those of the study.
     ///
     /// # Errors
     /// [`StudyError`] where the settings are impossible for the robot.
-    pub fn design(&self, family: usize, start: usize) -> Result<StudyDesign, StudyError> {
-        Ok(self.designs_of_sequence(family, start, &Unobserved)?.pop().expect("a sequence holds the family itself"))
-    }
-
-    /// The designs of number `start` of all families of a sequence, from the first experiment to `family` itself. An observer may
-    /// end their searches: they are then not those of the study.
-    ///
-    /// # Errors
-    /// As [`StudySetup::design`].
     pub fn designs_of_sequence(
         &self,
         family: usize,
@@ -147,7 +139,7 @@ impl StudySetup {
             }
             DesignMethod::TableOne => {
                 let trajectory = table_one::corrected().into();
-                let certificate = Certificate::of(&self.problem(CriterionKind::Condition.into(), 1)?, &trajectory)?;
+                let certificate = Certificate::new(&self.problem(CriterionKind::Condition.into(), 1)?, &trajectory)?;
                 Ok(StudyDesign {
                     family,
                     start,
@@ -207,7 +199,7 @@ impl StudySetup {
         evaluations: usize,
     ) -> Result<DesignProblem, ExcitationError> {
         let sigma = (0..self.robot.dof()).map(|j| self.noise[(j, j)].sqrt()).collect();
-        let limits = DesignLimits { nominal: Some(self.nominal.clone()), ..DesignLimits::of_motion() };
+        let limits = DesignLimits { nominal: Some(self.nominal.clone()), ..DesignLimits::motion() };
         let mut problem = DesignProblem::new(self.robot.clone(), self.regressor.columns(), criterion, limits)?;
         let experiment = &self.plan.experiment;
         let harmonics = vec![experiment.harmonics; self.robot.dof()];

@@ -74,11 +74,12 @@ pub enum Lead {
 
 impl EffectLevels {
     /// Every effect that a study has in at least two sizes beside none, last estimator, first engine.
-    pub fn of(result: &StudyResult) -> Vec<Self> {
+    pub fn from_result(result: &StudyResult) -> Vec<Self> {
         let plan = &result.plan;
         let engine = plan.engines.first();
         let parts = result.conditions.iter().filter(|part| Some(&part.condition.engine) == engine);
-        let sized: Vec<_> = parts.map(|part| (part, Size::of(&plan.effects.and(&part.condition.effects)))).collect();
+        let sized: Vec<_> =
+            parts.map(|part| (part, Size::of(&plan.effects.overridden_by(&part.condition.effects)))).collect();
         let kinds = sized.iter().filter_map(|(_, size)| Some(&size.as_ref()?.kinds[..]));
         let kinds = distinct(kinds.filter(|kinds| !kinds.is_empty()));
         let Some(estimator) = plan.identification.estimators.last() else { return Vec::new() };
@@ -223,7 +224,8 @@ mod tests {
     #[test]
     fn effects_that_grow_together_have_the_share_of_their_levels() {
         let both = |elasticity, hysteresis| {
-            Size::of(&Effects::none().with(EffectKind::Elasticity, elasticity).with(EffectKind::Hysteresis, hysteresis))
+            let effects = Effects::none().with_effect(EffectKind::Elasticity, elasticity);
+            Size::of(&effects.with_effect(EffectKind::Hysteresis, hysteresis))
         };
         let size = both(0.5, 0.075).unwrap();
         assert!((size.value - 0.25).abs() < 1e-12 && size.kinds.len() == 2);

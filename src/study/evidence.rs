@@ -119,7 +119,7 @@ impl Evidence<'_> {
                     continue;
                 }
                 let values = self.metric_values(&runs, metric)?;
-                let spread: Vec<Option<Spread>> = values.iter().map(|of| Spread::of(&present(of))).collect();
+                let spread: Vec<Option<Spread>> = values.iter().map(|of| Spread::new(&present(of))).collect();
                 findings.criterion_correlations.extend(self.criterion_correlations(name, metric, &spread));
                 if metric == Metric::Prediction {
                     findings.design_prediction.push(spread);

@@ -43,7 +43,7 @@ pub struct LimitExample {
 impl LimitExample {
     /// One period of a trajectory against the limits of a robot; no samples of what has no limit, and none of torques
     /// without nominal parameters.
-    pub fn of(robot: &Robot, nominal: Option<&StandardParameters>, trajectory: &PeriodicTrajectory) -> Self {
+    pub fn new(robot: &Robot, nominal: Option<&StandardParameters>, trajectory: &PeriodicTrajectory) -> Self {
         let states = trajectory.sample(SAMPLES);
         let n = states.dof;
         let mut tau = vec![0.0; n * states.len()];
@@ -91,7 +91,8 @@ impl StudySetup {
     /// A design against its limits, with the torque of the nominal parameters.
     pub fn limit_example(&self, index: usize, design: &StudyDesign) -> LimitExample {
         let family = self.plan.designs[design.family].name.clone();
-        LimitExample { family, design: index, ..LimitExample::of(&self.robot, Some(&self.nominal), &design.trajectory) }
+        let example = LimitExample::new(&self.robot, Some(&self.nominal), &design.trajectory);
+        LimitExample { family, design: index, ..example }
     }
 
     /// Measured torque of a validation experiment beside what an estimate of `design` predicts for its states.
@@ -151,7 +152,7 @@ mod tests {
     fn analytic_shares_of_limits_are_those_of_table_one() {
         let robot = chains::crs_a460().with_joints(|joint| joint.limits.velocity = f64::INFINITY).unwrap();
         let trajectory: PeriodicTrajectory = table_one::corrected().into();
-        let example = LimitExample::of(&robot, None, &trajectory);
+        let example = LimitExample::new(&robot, None, &trajectory);
         // What has no limit has no share, and torques are unknown without parameters.
         assert!(example.velocity.iter().chain(&example.torque).all(Vec::is_empty));
         for (j, joint) in robot.joints().iter().enumerate() {

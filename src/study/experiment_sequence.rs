@@ -19,7 +19,7 @@ use super::plan::StudyPlan;
 use super::plan_error::{StudyPlanError, family_name, number};
 use super::run_error::RunError;
 use super::run_id::RunId;
-use super::setup::StudySetup;
+use super::setup::{PlannedDesign, StudySetup};
 use crate::dynamics::States;
 use crate::estimation::{Estimate, EstimationError, pool};
 use crate::excitation::CriterionKind;
@@ -45,8 +45,8 @@ impl StudySetup {
     /// Indices of the designs from the first experiment of a sequence to design `index` itself: those of one start.
     pub fn sequence(&self, index: usize) -> Vec<usize> {
         let designs = self.designs();
-        let (family, start) = designs[index];
-        let of = |family: usize| designs.iter().position(|&design| design == (family, start));
+        let PlannedDesign { family, start } = designs[index];
+        let of = |family: usize| designs.iter().position(|&design| design == PlannedDesign { family, start });
         self.families_of_sequence(family).into_iter().filter_map(of).collect()
     }
 
@@ -158,6 +158,7 @@ mod tests {
     use super::*;
     use crate::estimation::{BaseEstimate, FactorisedBy, IntervalBasis, Termination};
     use crate::excitation::{HistoryPoint, radkhah2007_start};
+    use crate::observer::Unobserved;
     use crate::seed::Seed;
     use crate::study::small_results::setup;
     use crate::trajectory::PeriodicTrajectory;
@@ -227,7 +228,7 @@ mod tests {
         let start = radkhah2007_start(&setup.robot, 10.0, 5, Seed::new(7), 0).unwrap();
         let exact = PeriodicTrajectory::from(start).sample(200);
         let twice = setup.bound_of_sequence(&[exact.clone(), exact.clone()]);
-        for (one, twice) in setup.bound(&exact).into_iter().zip(twice) {
+        for (one, twice) in setup.bound_of_sequence(&[exact]).into_iter().zip(twice) {
             assert!((one / twice / 2.0_f64.sqrt() - 1.0).abs() < 1e-9, "{one} {twice}");
         }
     }
@@ -236,7 +237,7 @@ mod tests {
     fn identity_information_of_two_experiments_is_the_sum() {
         let setup = setup();
         let table_one = setup.plan.designs.len() - 1;
-        let design = setup.design(table_one, 0).unwrap();
+        let design = setup.designs_of_sequence(table_one, 0, &Unobserved).unwrap().pop().unwrap();
         let one = setup.collected(std::slice::from_ref(&design)).unwrap().unwrap();
         let two = setup.collected(&[design.clone(), design.clone()]).unwrap().unwrap();
         assert!((two - &one * 2.0).norm() < 1e-12 * one.norm());

@@ -128,7 +128,7 @@ impl Evidence<'_> {
                 _ => return,
             };
             let values = self.designs_of(family).into_iter().flat_map(|design| present(&values[design]));
-            *spread = Spread::of(&values.collect::<Vec<f64>>());
+            *spread = Spread::new(&values.collect::<Vec<f64>>());
         }
     }
 
@@ -216,7 +216,7 @@ impl Evidence<'_> {
             coverage,
             // Runs that share noise count as one.
             coverage_interval: share_interval(coverage, groups, LEVEL),
-            spread: Spread::of(&pooled),
+            spread: Spread::new(&pooled),
         })
     }
 }

@@ -38,7 +38,7 @@ crate::input::named! { Metric as title {
 } }
 
 impl Metric {
-    /// Those of the first table, in which a study compares designs; predictions on other kinds of motion have a table of their own.
+    /// The metrics of the first table, in which a study compares designs; predictions on other kinds of motion have a table of their own.
     pub const OF_ERRORS: [Self; 6] =
         [Self::Prediction, Self::PredictionOfRating, Self::LogVolume, Self::Reference, Self::Si, Self::Measured];
 
@@ -51,7 +51,7 @@ impl Metric {
         matches!(self, Self::LogVolume)
     }
 
-    pub(super) fn of(self, estimate: &ScoredEstimate) -> Option<f64> {
+    pub(super) fn value(self, estimate: &ScoredEstimate) -> Option<f64> {
         let score = estimate.score.as_ref()?;
         match self {
             Self::Prediction => Some(score.prediction_rmse_nm),

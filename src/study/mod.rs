@@ -107,7 +107,7 @@ pub use run_id::RunId;
 pub use run_order::RunOrder;
 pub use run_table::{OutcomeTable, RunNumber, RunTable};
 pub use scorer::{Score, Scorer};
-pub use setup::StudySetup;
+pub use setup::{PlannedDesign, StudySetup};
 pub use shared_start::SharedStart;
 pub use status_count::StatusCount;
 pub use stopping_rule::{Look, RuleError, StoppingRule};

@@ -61,9 +61,9 @@ pub struct StudySize {
 }
 
 impl VarianceComponents {
-    /// From a pilot's logarithms of ratios, by pair of starts and by run: every pair has as many runs, and run r of every
+    /// The components by a pilot's logarithms of ratios, by pair of starts and by run: every pair has as many runs, and run r of every
     /// pair is on the same truth where truths are drawn, one for each run. `None` of fewer than two pairs or runs.
-    pub fn of(logs: &[Vec<f64>], truths: bool) -> Option<Self> {
+    pub fn new(logs: &[Vec<f64>], truths: bool) -> Option<Self> {
         let (starts, runs) = (logs.len(), logs.first()?.len());
         if starts < 2 || runs < 2 || logs.iter().any(|of_pair| of_pair.len() != runs) {
             return None;
@@ -193,7 +193,7 @@ mod tests {
         // below 0.03, of σ_e² below 0.03: of the means 0.0025, 0.0015 and 0.0015. Cutting at zero lifts σ_t² a little.
         for truths in [false, true] {
             let found: Vec<VarianceComponents> =
-                (0..400).map(|seed| VarianceComponents::of(&draw(seed, 8, 6, truths), truths).unwrap()).collect();
+                (0..400).map(|seed| VarianceComponents::new(&draw(seed, 8, 6, truths), truths).unwrap()).collect();
             let average = |of: &dyn Fn(&VarianceComponents) -> f64| mean(&found.iter().map(of).collect::<Vec<_>>());
             assert!((average(&|c| c.starts) - 0.04).abs() < 0.0075);
             assert!((average(&|c| c.runs) - 0.09).abs() < 0.0045);
@@ -201,9 +201,9 @@ mod tests {
                 assert!((average(&|c| c.truths.unwrap()) - 0.01).abs() < 0.0065);
             }
         }
-        assert_eq!(VarianceComponents::of(&[vec![1.0, 2.0]], false), None);
-        assert_eq!(VarianceComponents::of(&[vec![1.0], vec![2.0]], false), None);
-        assert_eq!(VarianceComponents::of(&[vec![1.0, 2.0], vec![2.0]], false), None);
+        assert_eq!(VarianceComponents::new(&[vec![1.0, 2.0]], false), None);
+        assert_eq!(VarianceComponents::new(&[vec![1.0], vec![2.0]], false), None);
+        assert_eq!(VarianceComponents::new(&[vec![1.0, 2.0], vec![2.0]], false), None);
     }
 
     #[test]
@@ -225,10 +225,10 @@ mod tests {
     /// Pilots and studies of their forecast, as shares of the half width obtained over the one that was given with 80 %.
     fn obtained(pilots: u64, truths: bool, pilot_size: (usize, usize), study: StudySize) -> Vec<f64> {
         let drawn = |seed| {
-            let components = VarianceComponents::of(&draw(seed, pilot_size.0, pilot_size.1, truths), truths).unwrap();
+            let components = VarianceComponents::new(&draw(seed, pilot_size.0, pilot_size.1, truths), truths).unwrap();
             let share = components.share_with(study, ASSURANCE);
             let second =
-                VarianceComponents::of(&draw(1_000_000 + seed, study.starts, study.runs, truths), truths).unwrap();
+                VarianceComponents::new(&draw(1_000_000 + seed, study.starts, study.runs, truths), truths).unwrap();
             second.share(study) / share
         };
         (0..pilots).map(drawn).collect()

@@ -37,7 +37,7 @@ pub enum StudyPlanError {
 impl StudyPlanError {
     /// The fault at its place in the plan's text.
     pub fn in_text(&self, text: &str) -> FormatError {
-        FormatError::at(text, self.place(text), self.to_string())
+        FormatError::at_span(text, self.place(text), self.to_string())
     }
 
     /// Where in the text the fault's key stands: the first line with that key and the value that was found.

@@ -96,7 +96,7 @@ mod tests {
     #[test]
     fn spreads_of_truths_are_from_zero_to_one() {
         let with = |mass_spread| {
-            let truths = Some(RandomTruths { mass_spread, ..RandomTruths::of(2) });
+            let truths = Some(RandomTruths { mass_spread, ..RandomTruths::new(2) });
             StudyPlan { truths, ..StudyPlan::from_toml(PLAN).unwrap() }.check()
         };
         assert!(with(0.3).is_ok());

@@ -79,7 +79,7 @@ impl PointToPointMove {
         let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let mut states = States::new(n);
         for k in 0..count {
-            let step = QuinticStep::at(k as f64 / count.saturating_sub(1).max(1) as f64);
+            let step = QuinticStep::evaluate(k as f64 / count.saturating_sub(1).max(1) as f64);
             for j in 0..n {
                 let way = self.to[j] - self.from[j];
                 q[j] = self.from[j] + way * step.value;

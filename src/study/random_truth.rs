@@ -83,8 +83,8 @@ pub struct TruthError {
 }
 
 impl RandomTruths {
-    /// This many, with the spreads that a study has unless it says otherwise.
-    pub const fn of(count: usize) -> Self {
+    /// So many draws, with the default spreads of a study.
+    pub const fn new(count: usize) -> Self {
         Self {
             count,
             around: Centre::Truth,
@@ -102,14 +102,14 @@ impl RandomTruths {
     /// [`TruthError`] where a link of `centre` is physically inconsistent.
     pub fn draw(&self, centre: &Truth, seed: Seed) -> Result<Vec<Truth>, TruthError> {
         let draw = |index| {
-            let truth = self.one(centre, &mut seed.stream("truth", index))?;
+            let truth = self.draw_one(centre, &mut seed.stream("truth", index))?;
             let effects = seed.child("effects of a truth", index);
             Ok(if self.draw_effects { Truth { effects: truth.effects.with_seed(effects), ..truth } } else { truth })
         };
         (0..self.count as u64).map(draw).collect()
     }
 
-    fn one(&self, centre: &Truth, rng: &mut impl Rng) -> Result<Truth, TruthError> {
+    fn draw_one(&self, centre: &Truth, rng: &mut impl Rng) -> Result<Truth, TruthError> {
         let mut parameters = centre.parameters.clone();
         for (index, link) in parameters.links.iter_mut().enumerate() {
             *link = self.link(link, rng).map_err(|fault| TruthError { link: index + 1, fault })?;
@@ -117,7 +117,7 @@ impl RandomTruths {
         // The terms of every arm first, those that this one has beside them after all others: what is drawn for the former
         // does not depend on the latter.
         let usual = Columns::default();
-        let others = usual.and_those_of(&parameters);
+        let others = usual.with_terms_of(&parameters);
         for drive in &mut parameters.drives {
             for term in usual.terms() {
                 drive[term] *= libm::exp(self.spread_of(term) * normal(rng));
@@ -136,7 +136,7 @@ impl RandomTruths {
     }
 
     fn link(&self, link: &Inertia, rng: &mut impl Rng) -> Result<Inertia, InertiaError> {
-        let own = LogCholesky::of(link)?;
+        let own = LogCholesky::from_inertia(link)?;
         let mut change = LogCholesky([0.0; 10].map(|_| self.inertia_spread * normal(rng)));
         change.0[0] = 0.5 * self.mass_spread * normal(rng);
         let drawn = own.moved(&change);
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn statistics_of_a_thousand_draws_are_those_stated_and_every_body_can_exist() {
         let centre = a460();
-        let truths = RandomTruths::of(1000).draw(&Truth::of(centre.clone()), Seed::new(11)).unwrap();
+        let truths = RandomTruths::new(1000).draw(&Truth::without_effects(centre.clone()), Seed::new(11)).unwrap();
         let mut logs = vec![Vec::new(); 4];
         for truth in &truths {
             for (i, (link, own)) in truth.parameters.links.iter().zip(&centre.links).enumerate() {
@@ -200,8 +200,8 @@ mod tests {
 
     #[test]
     fn identity_a_draw_depends_on_its_number_alone_and_no_spread_is_the_centre() {
-        let centre = Truth::of(a460());
-        let (few, many) = (RandomTruths::of(2), RandomTruths::of(5));
+        let centre = Truth::without_effects(a460());
+        let (few, many) = (RandomTruths::new(2), RandomTruths::new(5));
         let seed = Seed::new(3);
         let drawn = many.draw(&centre, seed).unwrap();
         assert_eq!(few.draw(&centre, seed).unwrap()[..], drawn[..2]);
@@ -211,7 +211,7 @@ mod tests {
             inertia_spread: 0.0,
             rotor_spread: 0.0,
             friction_spread: 0.0,
-            ..RandomTruths::of(1)
+            ..RandomTruths::new(1)
         };
         let same = &none.clone().draw(&centre, seed).unwrap()[0].parameters;
         assert_eq!(same.drives, centre.parameters.drives);

@@ -17,7 +17,7 @@ impl RobotsSummary {
         for metric in TOLD {
             let counts = self.agreements.iter().find(|c| c.metric == metric && c.estimator == estimator);
             let Some(counts) = counts else { continue };
-            let [same, in_part, reversed, undecided, alone] = Agreement::ALL.map(|agreement| counts.of(agreement));
+            let [same, in_part, reversed, undecided, alone] = Agreement::ALL.map(|agreement| counts.count(agreement));
             let significant = same + in_part + reversed;
             let mut words = format!(
                 "**{}: {same} of {significant} significant comparisons agree on every robot, {reversed} are reversed.** Significant on some robots only: {in_part}. Not significant on any: {undecided}.",
@@ -106,7 +106,7 @@ mod tests {
             };
             study(cases.into_iter().map(part).collect(), &["d-optimal"])
         };
-        let summary = RobotsSummary::of(&[robot(false), robot(true)]);
+        let summary = RobotsSummary::from_results(&[robot(false), robot(true)]);
         let [first, second] = [0, 1].map(|robot| summary.comparisons[0].robots[robot].clone().unwrap());
         assert_eq!(first.difference.to_bits(), 0.8_f64.to_bits());
         assert_eq!(second.difference.to_bits(), 1.25_f64.to_bits());
@@ -119,7 +119,7 @@ mod tests {
                 "**Condition number against D-optimal**, 5 scenarios: better on every robot in 1, worse on every robot in 1, reversed in 1 (reversed), significant on some robots in 1 (part), not significant on any robot in 1 (open).",
             ]
         );
-        let alone = RobotsSummary::of(&[robot(false)]).answer();
+        let alone = RobotsSummary::from_results(&[robot(false)]).answer();
         assert!(alone[0].ends_with(" Compared on one robot alone: 5."), "{alone:?}");
     }
 }

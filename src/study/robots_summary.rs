@@ -106,7 +106,7 @@ type Place = [usize; 4];
 
 impl RobotsSummary {
     /// Sets the results of one study on several robots side by side.
-    pub fn of(results: &[StudyResult]) -> Self {
+    pub fn from_results(results: &[StudyResult]) -> Self {
         let first = results.first().map(|result| &result.plan);
         let compare_with = first.map_or_else(Vec::new, |plan| plan.compare_with.clone());
         let comparisons = side_by_side(results, &compare_with);
@@ -157,7 +157,7 @@ impl AgreementCounts {
     }
 
     /// The number of comparisons with this agreement.
-    pub const fn of(&self, agreement: Agreement) -> usize {
+    pub const fn count(&self, agreement: Agreement) -> usize {
         match agreement {
             Agreement::Same => self.same,
             Agreement::InPart => self.in_part,
@@ -205,7 +205,7 @@ fn side_by_side(results: &[StudyResult], compare_with: &[String]) -> Vec<RobotsC
     let mut comparisons: Vec<RobotsComparison> = found.into_values().collect();
     for row in &mut comparisons {
         let better: Vec<Option<&str>> = row.robots.iter().flatten().map(|one| one.better.as_deref()).collect();
-        row.agreement = Agreement::of(&better);
+        row.agreement = Agreement::from_better(&better);
     }
     comparisons
 }

@@ -49,11 +49,11 @@ impl RunNumber {
 
     /// Its value in an outcome, `None` where the run or the estimator gave none; `truths` are the true base parameters (b)
     /// by [`Outcome::truth`].
-    pub fn of(self, outcome: &Outcome, truths: &[DVector<f64>]) -> Option<f64> {
+    pub fn value(self, outcome: &Outcome, truths: &[DVector<f64>]) -> Option<f64> {
         let scored = |estimator: usize| outcome.estimates.get(estimator).filter(|estimate| estimate.score.is_some());
         match self {
             Self::Truth => Some(outcome.truth as f64),
-            Self::Metric { estimator, metric } => metric.of(scored(estimator)?),
+            Self::Metric { estimator, metric } => metric.value(scored(estimator)?),
             Self::Error { estimator, parameter } => {
                 Some(scored(estimator)?.beta[parameter] - truths[outcome.truth][parameter])
             }
@@ -94,14 +94,14 @@ pub struct OutcomeTable<'a> {
 }
 
 impl OutcomeTable<'_> {
-    fn of(&self, design: usize, condition: usize) -> impl Iterator<Item = &Outcome> {
+    fn outcomes_of(&self, design: usize, condition: usize) -> impl Iterator<Item = &Outcome> {
         self.outcomes.iter().filter(move |outcome| (outcome.design, outcome.condition) == (design, condition))
     }
 }
 
 impl RunTable for OutcomeTable<'_> {
     fn runs(&self, design: usize, condition: usize) -> usize {
-        self.of(design, condition).count()
+        self.outcomes_of(design, condition).count()
     }
 
     fn numbers(
@@ -111,11 +111,11 @@ impl RunTable for OutcomeTable<'_> {
         range: Range<usize>,
         number: RunNumber,
     ) -> Result<Vec<Option<f64>>, StudyError> {
-        let runs = self.of(design, condition).skip(range.start).take(range.len());
-        Ok(runs.map(|outcome| number.of(outcome, self.truths)).collect())
+        let runs = self.outcomes_of(design, condition).skip(range.start).take(range.len());
+        Ok(runs.map(|outcome| number.value(outcome, self.truths)).collect())
     }
 
     fn statuses(&self, condition: usize) -> Vec<StatusCount> {
-        StatusCount::of(self.outcomes.iter().filter(|outcome| outcome.condition == condition))
+        StatusCount::count(self.outcomes.iter().filter(|outcome| outcome.condition == condition))
     }
 }

@@ -82,12 +82,12 @@ impl Scorer {
         units: &ReferenceUnits,
     ) -> Self {
         let b = base.rank();
-        let on = |kind| PredictedTorque::on(&validation.states(kind), robot.dof(), regressor, base);
+        let on = |kind| PredictedTorque::new(&validation.states(kind), robot.dof(), regressor, base);
         let (random, poses) = (on(MotionKind::Random), on(MotionKind::Static));
         let moves_torque = poses.mean_square() > NOTHING * random.mean_square();
         Self {
             truths: truths.iter().map(|truth| base.beta(&truth.vector(robot, regressor.columns()))).collect(),
-            units: DVector::from_iterator(b, base.kept.iter().map(|&c| units.of(base.parameters[c].kind))),
+            units: DVector::from_iterator(b, base.kept.iter().map(|&c| units.unit(base.parameters[c].kind))),
             ratings: robot.joints().iter().map(|joint| joint.limits.torque).collect(),
             random,
             slow: on(MotionKind::Slow),
@@ -116,7 +116,7 @@ impl Scorer {
 }
 
 impl PredictedTorque {
-    fn on(motions: &[States], n: usize, regressor: &JointTorqueRegressor, base: &BaseReduction) -> Self {
+    fn new(motions: &[States], n: usize, regressor: &JointTorqueRegressor, base: &BaseReduction) -> Self {
         let b = base.rank();
         let mut grams = vec![DMatrix::zeros(b, b); n];
         let mut samples = 0;

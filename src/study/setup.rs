@@ -1,7 +1,7 @@
 //! Everything of a study that is fixed before its first run: the robot, its reduction, the scorer, the settings.
 //!
 //! ```text
-//! StudySetup::new → StudySetup::design(family, start) → StudySetup::bound → StudySetup::trial(design, condition, run) → StudySetup::conditions
+//! StudySetup::new → designs_of_sequence(family, start) → bound_of_sequence(exact) → outcome(run, performed) → conditions
 //! ```
 //! Each step is a function of the plan and its seed alone, so that any of them can be done again, in any order, on any
 //! number of threads, and give the same bytes. Who performs the experiment is the caller's choice: an [`Arm`].
@@ -16,14 +16,13 @@ use super::design::StudyDesign;
 use super::error::StudyError;
 use super::evidence::{DesignRow, Evidence, Findings};
 use super::measured_motion::MeasuredMotions;
-use super::outcome::{Outcome, ScoredEstimate};
+use super::outcome::ScoredEstimate;
 use super::own_methods::OwnMethods;
 use super::performed::Performed;
 use super::plan::StudyPlan;
 use super::plan_error::StudyPlanError;
 use super::random_truth::{Centre, TruthError};
 use super::run_error::RunError;
-use super::run_id::RunId;
 use super::run_order::RunOrder;
 use super::run_table::{RunNumber, RunTable};
 use super::scorer::Scorer;
@@ -43,6 +42,15 @@ use crate::regressor::JointTorqueRegressor;
 use crate::seed::RunNoise;
 use crate::signal::{Derivatives, Processing, Samples, process};
 use crate::trajectory::PeriodicTrajectory;
+
+/// A design that a study plans.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PlannedDesign {
+    /// Its family, from zero.
+    pub family: usize,
+    /// Its start within the family, from zero.
+    pub start: usize,
+}
 
 /// A study that is ready to run.
 #[derive(Debug)]
@@ -126,7 +134,7 @@ impl StudySetup {
         })
     }
 
-    /// With what makes the closed loop of an experiment, for estimators that simulate.
+    /// Adds what makes the closed loop of an experiment, for estimators that simulate.
     #[must_use]
     pub fn with_closed_loops(self, factory: ClosedLoopFactory) -> Self {
         Self { closed_loops: Some(factory), ..self }
@@ -137,10 +145,10 @@ impl StudySetup {
         &self.truths[self.plan.truth_of(run)]
     }
 
-    /// Every design of the plan as (family, start), in the order in which designs are numbered.
-    pub fn designs(&self) -> Vec<(usize, usize)> {
+    /// Every design of the plan, in the order in which designs are numbered.
+    pub fn designs(&self) -> Vec<PlannedDesign> {
         let families = self.plan.designs.iter().enumerate();
-        families.flat_map(|(family, plan)| (0..plan.starts).map(move |start| (family, start))).collect()
+        families.flat_map(|(family, plan)| (0..plan.starts).map(move |start| PlannedDesign { family, start })).collect()
     }
 
     /// The experiment that performs a trajectory.
@@ -156,7 +164,7 @@ impl StudySetup {
 
     /// The order of all runs.
     pub fn run_order(&self) -> RunOrder {
-        let runs = self.designs().into_iter().map(|(family, _)| self.plan.runs_of(family)).collect();
+        let runs = self.designs().iter().map(|design| self.plan.runs_of(design.family)).collect();
         RunOrder::new(runs, self.plan.conditions().len())
     }
 
@@ -167,7 +175,7 @@ impl StudySetup {
 
     /// The random numbers of one run: the same under every condition, and what the plan's [`VarianceReduction`] makes of them.
     pub fn noise_of(&self, design: usize, run: u64) -> RunNoise {
-        let (family, start) = self.designs()[design];
+        let PlannedDesign { family, start } = self.designs()[design];
         let before = self.plan.designs[..family].iter().map(|family| family.of_starts.unwrap_or(family.starts));
         let common = self.plan.reduces_variance(VarianceReduction::CommonNoise);
         let index = if common { start } else { before.sum::<usize>() + start };
@@ -177,12 +185,6 @@ impl StudySetup {
         }
         let pair = seed.of_run(run / 2);
         if run.is_multiple_of(2) { pair } else { pair.opposite() }
-    }
-
-    /// Cramér–Rao standard deviations of the base parameters (b), at the exact motion of one period of the closed
-    /// loop; infinite where the motion does not excite all of them.
-    pub fn bound(&self, exact: &States) -> Vec<f64> {
-        self.bound_with_weight(exact, self.raw_samples() / exact.len() as f64)
     }
 
     /// Cramér–Rao standard deviations if each state stands for `weight` raw samples of one period.
@@ -195,12 +197,6 @@ impl StudySetup {
     /// Raw samples in one period.
     pub(super) fn raw_samples(&self) -> f64 {
         self.plan.experiment.period_s * self.plan.experiment.rate_hz
-    }
-
-    /// One run: performs the experiment on `arm`, processes what it recorded, estimates and scores. Any failure
-    /// is a reason in the outcome.
-    pub fn trial(&self, id: RunId, design: &StudyDesign, arm: &mut dyn Arm) -> Outcome {
-        self.outcome(id, vec![record(arm, &self.experiment(&design.trajectory))], None, &Unobserved)
     }
 
     /// Performs the experiment and processes the recording.

@@ -13,7 +13,7 @@ pub struct StatusCount {
 
 impl StatusCount {
     /// Counts the statuses of runs, sorted by name.
-    pub fn of<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>) -> Vec<Self> {
+    pub fn count<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>) -> Vec<Self> {
         let mut counts = std::collections::BTreeMap::new();
         for outcome in outcomes {
             *counts.entry(outcome.status()).or_insert(0) += 1;

@@ -189,7 +189,7 @@ mod tests {
         assert!(rule.families(&plan).is_ok());
         let other = StoppingRule { first: "nobody".to_owned(), ..rule.clone() };
         assert!(other.families(&plan).unwrap_err().to_string().contains("`until` is \"nobody\""));
-        let drawn = |count| StudyPlan { truths: Some(crate::study::RandomTruths::of(count)), ..plan.clone() };
+        let drawn = |count| StudyPlan { truths: Some(crate::study::RandomTruths::new(count)), ..plan.clone() };
         assert!(rule.families(&drawn(1)).is_ok());
         assert!(rule.families(&drawn(2)).unwrap_err().to_string().contains("truths.count"));
         let mut few = plan.clone();

@@ -6,7 +6,7 @@ use super::metric::Metric;
 use super::outcome::Outcome;
 use super::plan_error::StudyPlanError;
 use super::result::{ReportInput, StudyResult};
-use super::setup::StudySetup;
+use super::setup::{PlannedDesign, StudySetup};
 use crate::input::{FileNameError, check_file_name};
 
 /// Stored work does not fit.
@@ -48,7 +48,7 @@ impl StudySetup {
     pub fn check_design(&self, index: usize, design: &StudyDesign, bound: usize) -> Result<(), StoredWorkError> {
         let designs = self.designs();
         below("the number of a design", index, designs.len())?;
-        let (family, start) = designs[index];
+        let PlannedDesign { family, start } = designs[index];
         equal(format!("the family of design {index}"), design.family, family)?;
         equal(format!("the start of design {index}"), design.start, start)?;
         equal(format!("the number of joints of design {index}"), design.trajectory.dof(), self.robot.dof())?;
@@ -64,7 +64,7 @@ impl StudySetup {
         below("the design of a run", outcome.design, designs.len())?;
         let run = format!("run {} of design {}", outcome.run, outcome.design);
         below(format!("the condition of {run}"), outcome.condition, self.plan.conditions().len())?;
-        let runs = self.plan.runs_of(designs[outcome.design].0);
+        let runs = self.plan.runs_of(designs[outcome.design].family);
         below("the number of a run", usize::try_from(outcome.run).unwrap_or(usize::MAX), runs)?;
         equal(format!("the truth of {run}"), outcome.truth, self.plan.truth_of(outcome.run))?;
         let names = &self.plan.identification.estimators;

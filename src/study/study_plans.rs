@@ -39,11 +39,11 @@ impl StudyPlans {
         plan.check_robots().map_err(|fault| fault.in_text(text))?;
         let robots = std::mem::take(&mut plan.robots);
         if robots.is_empty() {
-            let plan = plan.on(&plan.robot);
+            let plan = plan.for_robot(&plan.robot);
             plan.check_with(own).map_err(|fault| fault.in_text(text))?;
             return Ok(Self::One(Box::new(plan)));
         }
-        let plans: Vec<StudyPlan> = robots.iter().map(|robot| plan.on(robot)).collect();
+        let plans: Vec<StudyPlan> = robots.iter().map(|robot| plan.for_robot(robot)).collect();
         let faults: Vec<Option<StudyPlanError>> = plans.iter().map(|plan| plan.check_with(own).err()).collect();
         if let Some((plan, fault)) = plans.iter().zip(&faults).find_map(|(plan, fault)| Some((plan, fault.as_ref()?))) {
             let mut error = fault.in_text(text);
@@ -94,7 +94,7 @@ impl StudyPlan {
     }
 
     /// The plan on one robot, with the families that are made on it.
-    fn on(&self, robot: &str) -> Self {
+    fn for_robot(&self, robot: &str) -> Self {
         let mut plan = Self { robot: robot.to_owned(), robots: Vec::new(), ..self.clone() };
         plan.designs.retain(|family| family.robots.is_empty() || family.robots.iter().any(|name| name == robot));
         for family in &mut plan.designs {

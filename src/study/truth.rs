@@ -24,8 +24,8 @@ struct Beside {
 }
 
 impl Truth {
-    /// An arm without effects beside its parameters.
-    pub const fn of(parameters: StandardParameters) -> Self {
+    /// An arm with these parameters and without effects.
+    pub const fn without_effects(parameters: StandardParameters) -> Self {
         Self { parameters, effects: Effects::none(), motors: Vec::new() }
     }
 
@@ -40,7 +40,7 @@ impl Truth {
             if laws(&joint.drive) != laws(motor) {
                 let message =
                     format!("drive \"{}\" has other speeds of friction, expected those of the robot file", joint.name);
-                return Err(FormatError::at(text, 0..0, message));
+                return Err(FormatError::at_span(text, 0..0, message));
             }
         }
         let beside: Beside = toml::from_str(text).map_err(|fault| FormatError::of_toml(text, &fault))?;

@@ -139,7 +139,7 @@ mod tests {
         assert!((drive[COULOMB] + drive[OFFSET] - gear * 0.435).abs() < 1e-9);
         assert!((drive[COULOMB] - drive[OFFSET] - gear * 0.395).abs() < 1e-9);
         // As a term of its own: what the offset stands for in the file is half the difference between the directions.
-        let mut directed = DriveParameters::of(&[(COULOMB, drive[COULOMB])]);
+        let mut directed = DriveParameters::from_iter([(COULOMB, drive[COULOMB])]);
         directed[COULOMB_DIRECTION] = drive[OFFSET];
         for (speed, expected) in [(1.0, gear * 0.435), (-1.0, -gear * 0.395), (0.0, 0.0)] {
             let mut arm = StandardParameters::zero(6);

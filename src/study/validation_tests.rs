@@ -50,7 +50,7 @@ fn setup() -> StudySetup {
 
 /// The torque of states by the regressor of every column of the parameters, which inverse dynamics has no part in.
 fn torque(robot: &Robot, parameters: &StandardParameters, states: &States) -> Vec<f64> {
-    let columns = Columns::default().and_those_of(parameters);
+    let columns = Columns::default().with_terms_of(parameters);
     let regressor = JointTorqueRegressor::with_load(robot, columns, parameters);
     (regressor.stack(states) * parameters.vector(robot, columns)).as_slice().to_vec()
 }
@@ -231,7 +231,7 @@ fn an_arm_without_weight_has_no_score_at_rest() {
     let motions = draw(&robot, &nominal, 2);
     let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
     let base = reduce(&robot, Columns::RIGID, Method::Structural, SEED).unwrap();
-    let truths = [Truth::of(nominal)];
+    let truths = [Truth::without_effects(nominal)];
     let scorer = Scorer::new(&robot, &truths, &regressor, &base, &motions, &ReferenceUnits::default());
     let score = scorer.score(&(&scorer.truths[0] * 1.1), 0, None);
     assert!(score.static_rmse_nm.is_none() && score.slow_rmse_nm > 0.0 && score.point_to_point_rmse_nm > 0.0);

@@ -24,7 +24,7 @@ const ASCENT_STEPS: usize = 2000;
 /// Length of a step that counts as rest, m.
 const AT_REST: f64 = 1e-12;
 
-/// For every base parameter the interval of values that links of at most `max_mass` kg inside their shapes can have.
+/// The interval of values of every base parameter that links of at most `max_mass` kg inside their shapes can have.
 ///
 /// A link without a shape of its own takes those of its neighbours nearest to the base.
 pub fn feasible_ranges(robot: &Robot, base: &BaseReduction, max_mass: f64) -> Vec<Interval> {

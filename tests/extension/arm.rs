@@ -31,7 +31,7 @@ impl Exact {
             let side = 0.2 - 0.05 * index as f64;
             *link = Inertia::from_com(3.0, Vector3::new(-side, 0.02, 0.0), Matrix3::from_diagonal_element(0.03));
         }
-        truth.drives.fill(DriveParameters::of(&[(ROTOR, 0.2), (VISCOUS, 1.5), (COULOMB, 2.0), (OFFSET, 0.3)]));
+        truth.drives.fill(DriveParameters::from_iter([(ROTOR, 0.2), (VISCOUS, 1.5), (COULOMB, 2.0), (OFFSET, 0.3)]));
         Self { robot, truth, error: 0.0 }
     }
 }
@@ -41,7 +41,7 @@ impl Arm for Exact {
         let (n, layout) = (self.robot.dof(), plan.check(self.robot.dof())?);
         sink.begin(&Recording {
             effort_unit: EffortInterface::Torque,
-            ..Recording::begun(&self.robot, "", plan, &layout, None)
+            ..Recording::empty(&self.robot, "", plan, &layout, None)
         });
         let (command, mut dynamics) = (Command::new(plan, &layout), Dynamics::new(&self.robot, &self.truth));
         let mut rng = Seed::new(8).stream("torque sensors", 0);
@@ -84,7 +84,7 @@ fn an_arm_from_outside_obeys_the_laws() {
 
 #[test]
 fn an_arm_from_outside_is_identified() {
-    let robot = planar_2r().changed(|spec| spec.effort = EffortInterface::Torque).unwrap();
+    let robot = planar_2r().with_spec(|spec| spec.effort = EffortInterface::Torque).unwrap();
     let identification = Identification::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
     let mut errors = Vec::new();
     for error in [0.0, 0.5] {

@@ -54,8 +54,7 @@ fn a_criterion_from_outside_obeys_the_laws() {
 #[test]
 fn a_criterion_from_outside_makes_a_design_that_is_best_by_it() {
     let designed = |criterion: Arc<dyn Criterion>| {
-        let mut problem =
-            DesignProblem::new(planar_2r(), Columns::RIGID, criterion, DesignLimits::of_motion()).unwrap();
+        let mut problem = DesignProblem::new(planar_2r(), Columns::RIGID, criterion, DesignLimits::motion()).unwrap();
         problem
             .set_budget(DesignBudget { evaluations: 200, certificate_samples: 500, ..DesignBudget::default() })
             .unwrap();

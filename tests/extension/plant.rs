@@ -72,7 +72,7 @@ fn a_plant_from_outside_obeys_the_laws() {
     for link in &mut parameters.links {
         *link = Inertia::from_com(2.0, Vector3::new(-0.15, 0.01, 0.0), Matrix3::from_diagonal_element(0.02));
     }
-    parameters.drives.fill(DriveParameters::of(&[(ROTOR, 0.2), (VISCOUS, 1.0), (OFFSET, 0.3)]));
+    parameters.drives.fill(DriveParameters::from_iter([(ROTOR, 0.2), (VISCOUS, 1.0), (OFFSET, 0.3)]));
     plant_laws::check(&planar_2r(), &parameters, &PlantTolerance::FOURTH_ORDER, Integrated::new).unwrap();
 }
 

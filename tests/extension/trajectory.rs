@@ -169,7 +169,7 @@ fn a_trajectory_from_outside_obeys_the_laws() {
 fn a_design_in_a_family_from_outside_keeps_the_limits_and_is_performed() {
     let robot = planar_2r();
     let mut problem =
-        DesignProblem::new(robot.clone(), Columns::RIGID, CriterionKind::DOptimal, DesignLimits::of_motion()).unwrap();
+        DesignProblem::new(robot.clone(), Columns::RIGID, CriterionKind::DOptimal, DesignLimits::motion()).unwrap();
     let family: Arc<dyn TrajectoryFamily> = Arc::new(OddFamily);
     problem.set_space(DesignSpace::new(family, 4.0, vec![3, 2])).unwrap();
     problem.set_budget(DesignBudget { evaluations: 60, certificate_samples: 500, ..DesignBudget::default() }).unwrap();

@@ -2,7 +2,7 @@
 
 use armid::estimation::{
     BaseEstimate, DriveGain, DriveGains, Estimate, EstimationError, EstimationProblem, EstimatorKind, GainMethod,
-    drive_gains as drive_gains_of, moved_by_gains,
+    drive_gains as drive_gains_of, gain_slopes,
 };
 use armid::model::{Columns, Robot};
 use armid::observer::Observer;
@@ -18,7 +18,7 @@ use crate::payload::check_apart;
 /// What helps where a gain is not shown.
 fn more() -> Remedy {
     let help = Remedy::from("a load further from the axes, a heavier one, or more motion shows more: ");
-    let help = help.perform(Task::Design, "ROBOT").with(Setting::Payload, "KG").say(" makes a motion for it; ");
+    let help = help.perform(Task::Design, "ROBOT").option(Setting::Payload, "KG").say(" makes a motion for it; ");
     help.perform(Task::CalibrateTorqueConstant, "").say(" needs no load")
 }
 
@@ -68,7 +68,7 @@ pub fn drive_gains(
     let found = GainMethod::ALL.iter().map(|&method| drive_gains_of(first, second, load, method));
     let found = found.collect::<Result<Vec<_>, _>>().map_err(named)?;
     let stated = EstimatorKind::Wls.estimator().estimate(&EstimationProblem::new(first)).map_err(named)?;
-    let moved = moved_by_gains(first).map_err(named)?;
+    let moved = gain_slopes(first).map_err(named)?;
     Ok(DriveGainsAnswer {
         robot: without.robot.robot.clone(),
         load: *load,
@@ -113,7 +113,7 @@ impl DriveGainsAnswer {
     /// Whether every gain was found.
     pub fn is_sound(&self) -> bool {
         let converged = self.found.iter().all(|found| found.termination.was_successful());
-        converged && self.taken().hidden().is_empty()
+        converged && self.taken().hidden_joints().is_empty()
     }
 
     /// Name of a joint.
@@ -131,7 +131,7 @@ impl DriveGainsAnswer {
     /// The lines that state the constants that were found; none where one was not.
     pub fn corrected(&self) -> Option<String> {
         let taken = self.taken();
-        if !taken.hidden().is_empty() {
+        if !taken.hidden_joints().is_empty() {
             return None;
         }
         let value = |(joint, gain): (usize, &DriveGain)| format!("{:.6}", self.constant(joint, gain).value);
@@ -185,8 +185,8 @@ impl Serialize for DriveGainsAnswer {
             "taken": taken.method,
             "methods": self.found.iter().map(method).collect::<Value>(),
             "joints": (0..self.robot.dof()).map(joint).collect::<Value>(),
-            "wrong": names(taken.wrong()),
-            "not_shown": names(taken.hidden()),
+            "wrong": names(taken.wrong_joints()),
+            "not_shown": names(taken.hidden_joints()),
             "base": self.stated.base.iter().enumerate().map(parameter).collect::<Value>(),
             "corrected": self.corrected(),
             "inputs": { "without": self.without.1, "with": self.with.1 },

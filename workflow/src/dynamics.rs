@@ -72,7 +72,7 @@ pub fn dynamics(
             return Err(Error::new(format!("found parameters of {found} {what}, expected {n}")));
         }
     }
-    let phi = parameters.vector(robot, Columns::RIGID.and_those_of(parameters));
+    let phi = parameters.vector(robot, Columns::RIGID.with_terms_of(parameters));
     check_finite("parameters", phi.as_slice())?;
     let mut dynamics = Dynamics::new(robot, parameters);
     let numbered = |prefix: &'static str| (1..=n).map(move |k| format!("{prefix}{k}"));

@@ -26,7 +26,7 @@
 //! use armid_workflow::identification::{IdentifySettings, identify};
 //! use armid_workflow::{SimulationSettings, simulate};
 //!
-//! let loaded = robot::named("planar-2r")?;
+//! let loaded = robot::find("planar-2r")?;
 //! let goal = DesignGoal::Arm(CriterionKind::DOptimal.into());
 //! let settings = DesignSettings { starts: 1, evaluations: 20, baseline: false, ..DesignSettings::new(goal) };
 //! let designed = design(&loaded, &settings, &Unobserved)?.ok_or("nobody ended the search")?;

@@ -65,7 +65,7 @@ impl LogSource {
     pub fn again(&self, estimate: &Text, moved: &[PathBuf]) -> Result<(ProcessedLog, Inputs), Error> {
         let Some(inputs) = Inputs::of_estimate(estimate)? else {
             let message = format!("{} does not state which logs it was made from", estimate.name);
-            let help = Remedy::task(Task::Identify, "LOG").with(Setting::Output, "E.json");
+            let help = Remedy::task(Task::Identify, "LOG").option(Setting::Output, "E.json");
             return Err(Error::new(message).help(help.say(" states them")));
         };
         let base = self.chain.base.clone().or_else(|| inputs.robot.base_link.clone());

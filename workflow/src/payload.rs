@@ -23,15 +23,17 @@ pub struct PayloadSide {
 }
 
 impl PayloadSide {
-    /// By a log, with the speeds of friction of the other side where that is there already. Else they are found where the log has no periods,
+    /// The estimate from a log, with the speeds of friction of the other side where that is there already. Else they are found where the log has no periods,
     /// and become those of its robot.
     ///
     /// # Errors
     /// [`Error`] where the log does not show every parameter, or the other side is of another robot; of
     /// [`armid_io::ErrorKind::Interrupted`] where the observer ended the work.
     pub fn of_log(
-        (log, inputs): (&mut ProcessedLog, Option<Inputs>),
-        (columns, estimator): (Columns, EstimatorKind),
+        log: &mut ProcessedLog,
+        inputs: Option<Inputs>,
+        columns: Columns,
+        estimator: EstimatorKind,
         other: Option<&Self>,
         observer: &dyn Observer,
     ) -> Result<Self, Error> {

@@ -70,7 +70,7 @@ pub fn reduce(loaded: &LoadedRobot, settings: &ReductionSettings) -> Result<Redu
             return Err(Error::new(format!("found a trajectory with base {}, expected a fixed base", base.name())));
         }
     };
-    let base = reduction.map_err(Error::of)?;
+    let base = reduction.map_err(Error::new)?;
     let findings = loaded.remarks.iter().cloned().chain(base.nearly_dependent.iter().map(ToString::to_string));
     Ok(ReductionAnswer {
         robot: robot.clone(),

@@ -60,8 +60,8 @@ impl SetPoints {
     /// # Errors
     /// [`Error`] where the plan cannot be performed, or has more samples than are held in memory.
     pub fn new(plan: &ExperimentPlan) -> Result<Self, Error> {
-        let samples = plan.check_held().map_err(Error::of)?;
-        let layout = plan.layout().map_err(Error::of)?;
+        let samples = plan.check_held().map_err(Error::new)?;
+        let layout = plan.layout().map_err(Error::new)?;
         let command = Command::new(plan, &layout);
         let n = plan.trajectory.dof();
         let row = |k: usize| {

@@ -67,8 +67,8 @@ pub fn simulate(
     observer: &dyn Observer,
 ) -> Result<Simulated, Error> {
     let arm = simulated_arm(loaded, settings.engine, settings.effects.clone())?;
-    let servo = arm.servo(&settings.sensing).map_err(Error::of)?;
+    let servo = arm.servo(&settings.sensing).map_err(Error::new)?;
     let mut servo = servo.with_seed(Seed::new(settings.seed), settings.run);
-    let (recording, ending) = record_watched(&mut servo, plan, observer).map_err(Error::of)?;
+    let (recording, ending) = record_watched(&mut servo, plan, observer).map_err(Error::new)?;
     Ok(Simulated { recording, ending, tracking: servo.tracking().cloned() })
 }

@@ -95,7 +95,8 @@ impl Serialize for ValidationAnswer {
 /// [`Error`] where the limit is not above zero, or an estimate is of another robot or of other parameters; of
 /// [`armid_io::ErrorKind::Interrupted`] where the observer ended the work.
 pub fn validate(
-    (estimates, name): (&[Estimate], &str),
+    estimates: &[Estimate],
+    name: &str,
     log: &ProcessedLog,
     inputs: [Option<&Inputs>; 2],
     limit: f64,
@@ -112,10 +113,10 @@ pub fn validate(
     let steps = Counter::new(observer, Work::Steps, 2 * estimates.len());
     let verdict = |estimate: &Estimate| {
         steps.begin(name)?;
-        let log = log.by_servo_of(estimate, name)?;
+        let log = log.with_servo_of(estimate, name)?;
         let validation = log.validate(estimate, name)?;
         steps.begin(name)?;
-        let found = (validation, log.residual(estimate, name)?.0);
+        let found = (validation, log.residual(estimate, name)?.used);
         Ok::<_, Error>(ValidationVerdict::new(&estimate.estimator, &log, found, limit).on_log_of_fit(log_of_fit))
     };
     Ok(ValidationAnswer { verdicts: estimates.iter().map(verdict).collect::<Result<_, _>>()? })
@@ -127,7 +128,8 @@ pub fn validate(
 /// [`Error`] where the limit is not above zero, the file states no inertias, or it is of another arm; of
 /// [`armid_io::ErrorKind::Interrupted`] where the observer ended the work.
 pub fn validate_model(
-    (model, name): (&LoadedRobot, &str),
+    model: &LoadedRobot,
+    name: &str,
     log: &ProcessedLog,
     limit: f64,
     observer: &dyn Observer,
@@ -141,7 +143,7 @@ pub fn validate_model(
     steps.begin(name)?;
     let validation = log.validate_model(&of, name)?;
     steps.begin(name)?;
-    let found = (validation, log.model_residual(&of, name)?.0);
+    let found = (validation, log.model_residual(&of, name)?.used);
     let verdict = ValidationVerdict::new(name, log, found, limit);
     Ok(ValidationAnswer { verdicts: vec![ValidationVerdict { remarks: model.remarks.clone(), ..verdict }] })
 }

@@ -11,7 +11,7 @@ use rand::RngExt;
 
 #[test]
 fn identity_arrays_of_any_shape_are_an_answer_or_an_error() {
-    let loaded = robot::named("planar-2r").unwrap();
+    let loaded = robot::find("planar-2r").unwrap();
     let (robot, columns) = (&loaded.robot, Columns::RIGID_ROTOR_FRICTION);
     let parameters = columns.parameters(robot).len();
     let mut rng = Seed::new(1).stream("arrays", 0);

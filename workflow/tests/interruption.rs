@@ -73,7 +73,7 @@ fn log(loaded: &LoadedRobot) -> ProcessedLog {
 
 #[test]
 fn identity_work_that_is_ended_returns_its_last_iterate_and_stops_there() {
-    let loaded = robot::named("planar-2r").unwrap();
+    let loaded = robot::find("planar-2r").unwrap();
     let observer = EndAt::new(5);
     let ended = designed(&loaded, &observer);
     // At most the one evaluation that brings the best iterate inside the limits.
@@ -109,7 +109,7 @@ fn identity_work_that_is_ended_returns_its_last_iterate_and_stops_there() {
     assert_eq!(first.estimate.beta(), second.estimate.beta());
 
     // A selection has no iterate to return.
-    let among = candidate_terms().into_iter().fold(Columns::RIGID, Columns::with);
+    let among = candidate_terms().into_iter().fold(Columns::RIGID, Columns::with_term);
     let select = IdentifySettings { select: Some(among), ..IdentifySettings::default() };
     for at in [0, 3] {
         let observer = EndAt::new(at);
@@ -118,7 +118,7 @@ fn identity_work_that_is_ended_returns_its_last_iterate_and_stops_there() {
     }
 }
 
-/// The same motion as a log of another tool that has no periods.
+/// The log as another tool would write it, without periods.
 fn foreign(log: &ProcessedLog) -> ProcessedLog {
     let samples = &log.samples;
     let arrays = LogArrays {
@@ -148,7 +148,7 @@ fn has_no_result<T>(what: &str, ends: usize, work: impl Fn(&dyn Observer) -> Res
 
 #[test]
 fn identity_what_has_no_iterate_to_return_ends_with_an_error() {
-    let loaded = robot::named("planar-2r").unwrap();
+    let loaded = robot::find("planar-2r").unwrap();
     let log = log(&loaded);
     let inputs = Inputs {
         robot: RobotSource { name: None, sha256: String::new(), base_link: None, tip_link: None },
@@ -160,28 +160,28 @@ fn identity_what_has_no_iterate_to_return_ends_with_an_error() {
         settings: LogSettings::default(),
     };
     let answer = identify(log.clone(), None, &IdentifySettings::default(), &Unobserved).unwrap();
-    let estimate = (&answer.estimates[0].estimate, "the estimate");
+    let (estimate, name) = (&answer.estimates[0].estimate, "the estimate");
     let settings = ExportSettings { format: Exchange::Mjcf, into: None, file: None };
-    has_no_result("the fit of a model", 4, |observer| export(estimate, log.clone(), &settings, observer));
-    let estimates = (std::slice::from_ref(estimate.0), estimate.1);
-    has_no_result("a validation", 2, |observer| validate(estimates, &log, [None; 2], 0.1, observer));
+    has_no_result("the fit of a model", 4, |observer| export(estimate, name, log.clone(), &settings, observer));
+    let estimates = std::slice::from_ref(estimate);
+    has_no_result("a validation", 2, |observer| validate(estimates, name, &log, [None; 2], 0.1, observer));
     let folder = tempfile::tempdir().unwrap();
     let page = |observer: &dyn Observer| {
-        write_estimate_report(folder.path(), estimate, &log, &inputs, Sheet::Screen, observer)
+        write_estimate_report(folder.path(), estimate, name, &log, &inputs, Sheet::Screen, observer)
     };
     has_no_result("a page", 4, page);
     // The onset of friction is looked for in logs without periods.
     let foreign = foreign(&log);
     assert!(foreign.has_no_periods());
-    let sought = (Columns::RIGID_ROTOR_FRICTION, EstimatorKind::Wls);
     has_no_result("the log of a load", 2, |observer| {
-        PayloadSide::of_log((&mut foreign.clone(), None), sought, None, observer)
+        let (columns, estimator) = (Columns::RIGID_ROTOR_FRICTION, EstimatorKind::Wls);
+        PayloadSide::of_log(&mut foreign.clone(), None, columns, estimator, None, observer)
     });
 }
 
 #[test]
 fn identity_a_simulation_that_is_ended_keeps_its_samples() {
-    let loaded = robot::named("planar-2r").unwrap();
+    let loaded = robot::find("planar-2r").unwrap();
     let plan = ExperimentPlan::new(designed(&loaded, &Unobserved).best.trajectory);
     let observer = EndAt::new(20);
     let ended = simulate(&loaded, &plan, &SimulationSettings::default(), &observer).unwrap();

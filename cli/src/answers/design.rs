@@ -126,7 +126,7 @@ impl DesignText<'_> {
         let mut limits = Table::of("limit | #used | most");
         let worst = &certificate.worst;
         for limit in LimitKind::ALL {
-            let Some(case) = worst.of(limit) else { continue };
+            let Some(case) = worst.for_limit(limit) else { continue };
             let share = format!("{:.1} %", 100.0 * case.ratio);
             limits.row([limit.name().to_owned(), share, used(&case, limit, answer.problem.robot())]);
         }

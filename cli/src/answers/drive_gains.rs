@@ -48,7 +48,7 @@ impl DriveGainsText<'_> {
         }
         text += "\nwhat a wrong constant moves: per cent of a parameter for each per cent of the joint's constant\n";
         text += &self.moves_table();
-        let wrong = self.0.taken().wrong();
+        let wrong = self.0.taken().wrong_joints();
         match (self.0.corrected(), self.0.scale) {
             (Some(_), _) if wrong.is_empty() => {}
             (Some(lines), EffortScale::MappedConstant) => {
@@ -105,7 +105,7 @@ impl DriveGainsText<'_> {
              large.",
             taken.method.name()
         )];
-        let (wrong, hidden) = (taken.wrong(), taken.hidden());
+        let (wrong, hidden) = (taken.wrong_joints(), taken.hidden_joints());
         if !hidden.is_empty() {
             all.push(format!("Not shown, the interval holds zero: {}.", self.joints(&hidden)));
         }

@@ -13,7 +13,7 @@ pub(crate) fn answer(summary: &RobotsSummary, page: &Path) -> Result<Answer, Err
     let mut table = Table::of(&format!("metric | estimator | #{counted}"));
     for counts in &summary.agreements {
         let mut row = vec![counts.metric.title().to_owned(), counts.estimator.clone()];
-        row.extend(Agreement::ALL.map(|agreement| counts.of(agreement).to_string()));
+        row.extend(Agreement::ALL.map(|agreement| counts.count(agreement).to_string()));
         table.row(row);
     }
     let robots: Vec<&str> = summary.robots.iter().map(|robot| robot.robot.as_str()).collect();
@@ -24,7 +24,7 @@ pub(crate) fn answer(summary: &RobotsSummary, page: &Path) -> Result<Answer, Err
         table.render(0),
         page.display()
     );
-    let mut json = serde_json::to_value(summary).map_err(Error::of)?;
+    let mut json = serde_json::to_value(summary).map_err(Error::new)?;
     json["report"] = page.display().to_string().into();
     Ok(Answer { text, json })
 }

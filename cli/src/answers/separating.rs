@@ -51,11 +51,11 @@ impl SeparatingExperiment {
     /// One for each quantity that is declared; `robot` as it was given, `period_s` of the design.
     pub(crate) fn of(declared: &DeclaredUncertainty, robot: &str, period_s: f64) -> Vec<Self> {
         let fill = |command: &&str| command.replace("ROBOT", robot).replace("PERIOD", &stated(2.0 * period_s));
-        let stated = EXPERIMENTS.into_iter().filter(|(key, ..)| declared.of(key) > 0.0);
+        let stated = EXPERIMENTS.into_iter().filter(|(key, ..)| declared.std(key) > 0.0);
         stated
             .map(|(key, experiment, commands)| Self {
                 declared: key,
-                std: declared.of(key),
+                std: declared.std(key),
                 experiment,
                 commands: commands.iter().map(fill).collect(),
             })

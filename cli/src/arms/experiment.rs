@@ -57,7 +57,7 @@ fn checked<T: Default, E: std::fmt::Display>(
     check: impl Fn(&T) -> Result<(), E>,
 ) -> Result<T, Error> {
     let Some(table) = table else { return Ok(T::default()) };
-    check(table.get_ref()).map_err(|fault| Error::of(fault).at(text, table.span(), "in this table"))?;
+    check(table.get_ref()).map_err(|fault| Error::new(fault).at_span(text, table.span(), "in this table"))?;
     Ok(table.into_inner())
 }
 
@@ -65,7 +65,7 @@ fn arm(name: &Spanned<String>, text: &Text) -> Result<ArmKind, Error> {
     ArmKind::parse(name.get_ref()).ok_or_else(|| {
         let names = ArmKind::ALL.map(ArmKind::name);
         Error::new(format!("arm is \"{}\", expected one of {}", name.get_ref(), names.join(", ")))
-            .at(text, name.span(), "here")
+            .at_span(text, name.span(), "here")
             .maybe_help(suggestion::nearest(name.get_ref(), names).map(|near| format!("did you mean \"{near}\"?")))
     })
 }

@@ -63,7 +63,7 @@ pub(crate) fn perform(
                 return Ok(Performed { ending, tracking: servo.tracking().cloned(), guard: None, stamps: None });
             }
             // A simulated servo has the whole motion before it begins, as a robot controller has.
-            let mut guarded = Guarded::new(servo, simulated.robot(), &experiment.guard, Mode::Trajectory);
+            let mut guarded = Guarded::new(servo, &simulated.robot, &experiment.guard, Mode::Trajectory);
             let ending = guarded.perform(&experiment.planned.plan, sink).map_err(|error| fault(&error))?;
             let (guard, tracking) = (Some(guarded.record().clone()), guarded.arm().tracking().cloned());
             Ok(Performed { ending, tracking, guard, stamps: None })

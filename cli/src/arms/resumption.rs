@@ -7,7 +7,7 @@ use std::path::Path;
 
 use armid::experiment::{Continuation, Ending, Phase, Sink};
 use armid_hardware::link::StampFindings;
-use armid_io::recording::{check_at_rest, part_of};
+use armid_io::recording::{check_at_rest, part_path};
 use armid_io::{Error, Log};
 use miette::Result;
 use serde::{Deserialize, Serialize};
@@ -49,7 +49,7 @@ pub(crate) struct Part {
 
 /// Looks for the recording that `path` was to become.
 pub(crate) fn find(path: &Path, experiment: &Experiment) -> Result<Found> {
-    let part = part_of(path);
+    let part = part_path(path);
     if !part.is_file() {
         return Ok(if path.is_file() { Found::Whole } else { Found::Nothing });
     }
@@ -126,7 +126,7 @@ impl Part {
         (rest.planned.plan, rest.planned.run) = (plan, self.run);
         let mut performed = perform(rest.arm, &rest, recording, &mut self.continuation.join(sink))?;
         if let Some(stamps) = &mut performed.stamps {
-            let layout = rest.planned.plan.layout().map_err(Error::of)?;
+            let layout = rest.planned.plan.layout().map_err(Error::new)?;
             let kept = self.continuation.periods();
             let new = stamps.missing.iter().filter(|&&k| kept == 0 || layout.phase(k) >= Phase::Record);
             let new = new.map(|k| k + kept * layout.period_samples);

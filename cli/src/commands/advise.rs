@@ -70,7 +70,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         ..AdviceSettings::new(arguments.robot.robot.clone(), output)
     };
     let Some(answer) = advise(&settings, &Watch::new(console))? else { return Ok(Ending::Interrupted) };
-    let json = serde_json::to_value(&answer).map_err(Error::of)?;
+    let json = serde_json::to_value(&answer).map_err(Error::new)?;
     console.show(&Answer { text: advice_text(&answer), json })?;
     Ok(if answer.limits_kept { Ending::Done } else { Ending::Negative })
 }

@@ -47,7 +47,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     // A library that somebody names has to be in the comparison.
     if let Some(fault) = MujocoStatus::named_but_unusable() {
-        return Err(Error::of(fault).into());
+        return Err(Error::new(fault).into());
     }
     let loaded = arguments.robot.load()?;
     let name = format!("{}-agreement", loaded.robot.name());
@@ -57,7 +57,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let seed = Seed::new(arguments.seed);
     let motion = motion(arguments, &loaded, &nominal, seed)?;
     let plan = ExperimentPlan::new(motion).with_periods(1);
-    plan.check(loaded.robot.dof()).map_err(Error::of)?;
+    plan.check(loaded.robot.dof()).map_err(Error::new)?;
     let case = Case { robot: &loaded.robot, nominal: &nominal, truth: &truth, plan: &plan, seed };
     let agreement = agree(&case, &Engine::ALL);
     if let (true, Some(first)) = (agreement.engines.is_empty(), agreement.absent.first().or(agreement.failed.first())) {
@@ -85,7 +85,7 @@ fn motion(
         Some(name) => Ok(trajectory::load(name, None, &loaded.robot)?),
         None => safe_motion(&loaded.robot, nominal, seed)
             .map(PeriodicTrajectory::from)
-            .map_err(|fault| Error::of(fault).into()),
+            .map_err(|fault| Error::new(fault).into()),
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use armid::model::Columns;
 use armid_io::Error;
 use armid_io::log::HeldOut;
-use armid_io::recording::{check_at_rest, part_of};
+use armid_io::recording::{check_at_rest, part_path};
 use armid_workflow::campaign::{Campaign, CampaignSettings, Outcome, Round, Step, Target, experiment_table};
 use armid_workflow::design::HeaviestLoad;
 use miette::Result;
@@ -140,7 +140,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 /// Shows how a campaign stands, and the round that is to be performed.
 fn show(campaign: &Campaign, round: Option<&Round>, ending: Ending, console: &Console) -> Result<Ending> {
     let answer = campaign.answer()?;
-    let mut json = serde_json::to_value(&answer).map_err(Error::of)?;
+    let mut json = serde_json::to_value(&answer).map_err(Error::new)?;
     json["next"] = serde_json::json!(round);
     let mut text = campaign_text(&answer);
     if let Some(round) = round.filter(|_| campaign.settings().by_hand) {
@@ -219,7 +219,7 @@ impl Arguments {
             return Ok(Ending::Done);
         }
         let is_real = arm == Some(ArmKind::Ros2.name());
-        let part = part_of(&place);
+        let part = part_path(&place);
         if part.is_file() && !is_real {
             // A simulated arm begins again, with the noise that it has in one piece.
             check_at_rest(&part)?;

@@ -103,34 +103,32 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let loaded = arguments.robot.load()?;
-    let fault = |error: &dyn std::fmt::Display| Fault::new(error.to_string());
     let mut link = match &arguments.experiment {
         Some(name) => Experiment::load(name)?.ros2,
         None => LinkSettings::default(),
     };
     link.domain = arguments.domain.unwrap_or(link.domain);
-    link.check().map_err(|error| fault(&error))?;
+    link.check().map_err(Fault::new)?;
     let simulated = simulated_arm(&loaded, arguments.arm, Effects::none())?;
-    let mut plant = simulated.plant().map_err(|error| fault(&error))?;
+    let mut plant = simulated.plant().map_err(Fault::new)?;
     stand(arguments, &simulated, &mut plant)?;
     let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos());
-    let rate = arguments.rate.unwrap_or(simulated.robot().servo().rate_hz);
-    let clock = (rate, i64::try_from(now).unwrap_or(0));
-    let seed = (Seed::new(arguments.seed), 0);
+    let rate = arguments.rate.unwrap_or(simulated.robot.servo().rate_hz);
+    let (seed, epoch_ns) = (Seed::new(arguments.seed), i64::try_from(now).unwrap_or(0));
+    let (robot, nominal) = (&simulated.robot, &simulated.nominal);
     let watchdog = Watchdog { hold_s: 1e-3 * arguments.hold_ms, disable_s: 1e-3 * arguments.disable_ms };
-    let mut controller =
-        RobotController::new(simulated.robot(), simulated.nominal(), plant, &Sensing::default(), seed, clock)
-            .map_err(|error| fault(&error))?
-            .with_fault(arguments.fault)
-            .with_homed(!arguments.not_homed)
-            .with_replacement(arguments.replacement)
-            .with_watchdog(watchdog);
-    if !simulated.truth().motors.is_empty() {
-        controller = controller.with_motors(&simulated.truth().motors);
+    let mut controller = RobotController::new(robot, nominal, plant, &Sensing::default(), seed, 0, rate, epoch_ns)
+        .map_err(Fault::new)?
+        .with_fault(arguments.fault)
+        .with_homed(!arguments.not_homed)
+        .with_replacement(arguments.replacement)
+        .with_watchdog(watchdog);
+    if !simulated.truth.motors.is_empty() {
+        controller = controller.with_motors(&simulated.truth.motors);
     }
     console.note(format!(
         "{} simulated by {} in ROS domain {}, {} joint states per second; Ctrl-C ends it",
-        simulated.robot().name(),
+        simulated.robot.name(),
         arguments.arm.name(),
         link.domain,
         stated(rate),
@@ -144,13 +142,13 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         }
         !interrupt::asked()
     };
-    let done = serve(&mut controller, &options, &mut go_on).map_err(|error| fault(&error))?;
+    let done = serve(&mut controller, &options, &mut go_on).map_err(Fault::new)?;
     if console.talks() {
         let _ = writeln!(std::io::stderr());
     }
     let deadlines = done.deadlines;
     let json = json!({
-        "robot": simulated.robot().name(),
+        "robot": simulated.robot.name(),
         "arm": arguments.arm.name(),
         "domain": options.link.domain,
         "seconds": done.t,
@@ -168,7 +166,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 
 /// Puts the arm at its initial positions.
 fn stand(arguments: &Arguments, simulated: &SimulatedArm, plant: &mut Box<dyn Plant>) -> Result<()> {
-    let robot = simulated.robot();
+    let robot = &simulated.robot;
     let n = robot.dof();
     let pose = arguments.pose.clone().unwrap_or_else(|| vec![0.0; n]);
     if pose.len() != n {

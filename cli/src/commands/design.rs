@@ -115,7 +115,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         &arguments.robot.robot,
         answer.best.trajectory.period_s(),
     );
-    let mut json = serde_json::to_value(&answer).map_err(Error::of)?;
+    let mut json = serde_json::to_value(&answer).map_err(Error::new)?;
     json["file"] = serde_json::json!(destination.path());
     json["figures"] = serde_json::json!(figures);
     json["separating_experiments"] = separating.iter().map(SeparatingExperiment::json).collect();
@@ -166,7 +166,7 @@ impl Arguments {
             packages: self.meshes.packages(),
             weighted: self.weighted,
             prior: self.prior.clone(),
-            expected: self.expect.iter().fold(Effects::none(), |all, &(effect, size)| all.with(effect, size)),
+            expected: self.expect.iter().fold(Effects::none(), |all, &(effect, size)| all.with_effect(effect, size)),
             predict: self.predict.clone(),
             periods: self.periods,
             baseline: !self.no_baseline,

@@ -23,7 +23,7 @@ pub(super) fn run(
     let (without, inputs) = log.process(without, None, HeldOut::Nothing)?;
     let (with, inputs_with) = log.process(with, Some(&inputs), HeldOut::Nothing)?;
     let answer = drive_gains((without, inputs), (&with, inputs_with), columns, load, &Watch::new(console))?;
-    let json = serde_json::to_value(&answer).map_err(Error::of)?;
+    let json = serde_json::to_value(&answer).map_err(Error::new)?;
     console.deliver_json(&Answer { text: DriveGainsText(&answer).text(), json })?;
     Ok(if answer.is_sound() { Ending::Done } else { Ending::Negative })
 }

@@ -61,7 +61,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             dynamics(&robot, &parameters, quantity, &states)?
         }
     };
-    console.answer(&Answer { text: csv(&numbers), json: serde_json::to_value(&numbers).map_err(Error::of)? })?;
+    console.answer(&Answer { text: csv(&numbers), json: serde_json::to_value(&numbers).map_err(Error::new)? })?;
     Ok(Ending::Done)
 }
 

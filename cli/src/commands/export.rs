@@ -119,17 +119,17 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             let (robot, chain) = (arguments.robot.clone(), arguments.chain.ends());
             let (log, _) = LogSource { robot, chain, ..LogSource::default() }.again(&text, &arguments.log)?;
             let settings = ExportSettings { format, into, file };
-            let answer = export((&estimate, &text.name), log, &settings, &Watch::new(console))?;
+            let answer = export(&estimate, &text.name, log, &settings, &Watch::new(console))?;
             (answer.text.clone(), serde_json::to_value(&answer), model_file_text(&answer), answer.is_sound())
         }
         Target::Source(language) => {
-            let answer = export_source((&estimate, &text.name), &loaded, language, file)?;
+            let answer = export_source(&estimate, &text.name, &loaded, language, file)?;
             (answer.text.clone(), serde_json::to_value(&answer), source_text(&answer), answer.is_sound())
         }
     };
     console.deliver(&destination, &written)?;
     let text = format!("{destination}\n{words}");
-    console.show(&Answer { text, json: json.map_err(Error::of)? })?;
+    console.show(&Answer { text, json: json.map_err(Error::new)? })?;
     Ok(if searched && sound { Ending::Done } else { Ending::Negative })
 }
 

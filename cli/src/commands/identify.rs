@@ -48,7 +48,7 @@ const ALL_TERMS: &str = "all";
 /// Reads the terms to select from; those that are no columns, since they depend on more than the motion, are tested beside the others.
 fn candidates(text: &str) -> Result<Columns, Error> {
     if text == ALL_TERMS {
-        return Ok(candidate_terms().into_iter().fold(Columns::RIGID, Columns::with));
+        return Ok(candidate_terms().into_iter().fold(Columns::RIGID, Columns::with_term));
     }
     if let Some(columns) = Columns::parse_among(text, &candidate_terms()) {
         return Ok(columns);
@@ -166,7 +166,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         ..IdentifySettings::default()
     };
     let answer = identify(prepared, Some(inputs), &settings, &Watch::new(console))?;
-    let json = serde_json::to_value(&answer).map_err(Error::of)?;
+    let json = serde_json::to_value(&answer).map_err(Error::new)?;
     let robot = &answer.log.robot.robot;
     let said = answer.estimates.iter().map(|of| estimate_text(&answer.log, of, console.global.verbose));
     let mut text: String = said.collect();

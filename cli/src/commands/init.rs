@@ -37,7 +37,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         None => {
             let stem = arguments.urdf.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
             check_file_name("name of the URDF", &stem)
-                .map_err(|error| Error::of(error).help("-o chooses the folder"))?;
+                .map_err(|error| Error::new(error).help("-o chooses the folder"))?;
             PathBuf::from(stem)
         }
     };

@@ -48,7 +48,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let mut experiment = Experiment::load(&arguments.experiment)?;
     experiment.ros2.domain = arguments.domain.unwrap_or(experiment.ros2.domain);
     let robot = &experiment.planned.robot.robot;
-    let mut monitor = Monitor::open(&experiment.ros2, robot).map_err(|error| Fault::new(error.to_string()))?;
+    let mut monitor = Monitor::open(&experiment.ros2, robot).map_err(Fault::new)?;
     let network = match &experiment.ros2.network {
         Network::Loopback => "loopback",
         Network::Any => "every network",

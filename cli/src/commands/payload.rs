@@ -32,7 +32,7 @@ pub(super) fn run(
     let columns = columns_of(&without.estimate, &without.name)?;
     let (with, robot) = of_logs(log, with, Some(&without), (columns, *estimator), console)?;
     let answer = payload(&robot, without, with)?;
-    let json = serde_json::to_value(&answer).map_err(Error::of)?;
+    let json = serde_json::to_value(&answer).map_err(Error::new)?;
     console.deliver_json(&Answer { text: text(&answer), json })?;
     Ok(if answer.is_sound() { Ending::Done } else { Ending::Negative })
 }
@@ -50,11 +50,11 @@ fn of_logs(
     log: &LogArguments,
     paths: &[PathBuf],
     other: Option<&PayloadSide>,
-    sought: (Columns, EstimatorKind),
+    (columns, estimator): (Columns, EstimatorKind),
     console: &Console,
 ) -> Result<(PayloadSide, LoadedRobot), Error> {
     let remembered = other.and_then(|other| other.inputs.as_ref());
     let (mut prepared, inputs) = log.process(paths, remembered, HeldOut::Nothing)?;
-    let side = PayloadSide::of_log((&mut prepared, Some(inputs)), sought, other, &Watch::new(console))?;
+    let side = PayloadSide::of_log(&mut prepared, Some(inputs), columns, estimator, other, &Watch::new(console))?;
     Ok((side, prepared.robot))
 }

@@ -54,7 +54,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         seed: arguments.seed,
     };
     let answer = reduce(&arguments.robot.load()?, &settings)?;
-    console.answer(&Answer { text: text(&answer), json: serde_json::to_value(&answer).map_err(Error::of)? })?;
+    console.answer(&Answer { text: text(&answer), json: serde_json::to_value(&answer).map_err(Error::new)? })?;
     Ok(Ending::Done)
 }
 

@@ -83,7 +83,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     if let Some([first, second]) = arguments.compare.as_deref() {
         let folder = console.output().map_or_else(|| PathBuf::from("reports/comparison"), Path::to_path_buf);
         let answer = write_comparison(&folder, first, second, sheet)?;
-        let json = serde_json::to_value(&answer).map_err(Error::of)?;
+        let json = serde_json::to_value(&answer).map_err(Error::new)?;
         console.show(&Answer { text: comparison_text(&answer), json })?;
         return Ok(Ending::Done);
     }
@@ -92,10 +92,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         let all = &arguments.folders;
         let figures = match figure {
             Figure::Criteria => {
-                let numbers = numbers(all, "criteria", |study| vec![CriterionRatios::of(study)])?;
+                let numbers = numbers(all, "criteria", |study| vec![CriterionRatios::from_result(study)])?;
                 vec![write_criteria(folder, &numbers, sheet)?]
             }
-            Figure::Levels => write_levels(folder, &numbers(all, "levels", EffectLevels::of)?, sheet)?,
+            Figure::Levels => write_levels(folder, &numbers(all, "levels", EffectLevels::from_result)?, sheet)?,
         };
         let figures: Vec<String> = figures.iter().map(|figure| figure.display().to_string()).collect();
         console.show(&Answer { text: figures.join("\n") + "\n", json: json!({ "figures": figures }) })?;
@@ -116,8 +116,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             let estimate = estimate::parse(&text)?;
             let (robot, chain) = (arguments.robot.clone(), arguments.chain.ends());
             let (log, inputs) = LogSource { robot, chain, ..LogSource::default() }.again(&text, &[])?;
-            let made = (&estimate, text.name.as_str());
-            pages.push(write_estimate_report(&output, made, &log, &inputs, sheet, &Watch::new(console))?);
+            let watch = Watch::new(console);
+            pages.push(write_estimate_report(&output, &estimate, &text.name, &log, &inputs, sheet, &watch)?);
             continue;
         }
         if !folder.is_dir() {

@@ -132,7 +132,7 @@ fn describe(loaded: &LoadedRobot) -> Answer {
     for (heading, parameters) in [("Nominal parameters", &loaded.nominal), ("Parameters of the file", &loaded.own)] {
         if let Some(parameters) = parameters {
             // Every torque term of which some joint has a coefficient, in the units of a revolute joint.
-            let terms: Vec<Term> = Columns::RIGID.and_those_of(parameters).terms().collect();
+            let terms: Vec<Term> = Columns::RIGID.with_terms_of(parameters).terms().collect();
             let unit = |term: &Term| term.unit(JointKind::Revolute);
             let headings = terms.iter().map(|term| format!(" | #{} {}", term.entry().name, unit(term)));
             let headings: String = headings.collect();

@@ -10,7 +10,7 @@ use armid::experiment::{Ending as PlanEnding, Sink};
 use armid_hardware::guard::fastest_point;
 use armid_io::Error as Fault;
 use armid_io::output::write_text;
-use armid_io::recording::{CsvSink, FileSink, McapSink, beside, check_free, part_of};
+use armid_io::recording::{CsvSink, FileSink, McapSink, check_free, part_path, with_sink_thread};
 use armid_reports::{Figure, poses_figure};
 use miette::Result;
 
@@ -239,7 +239,7 @@ fn reduced_use(experiment: &mut Experiment, line_mm_s: Option<f64>) -> Result<f6
         return Err(Fault::new(format!("--reduced-speed is {line}, expected more than 0 and at most 1000 mm/s")).into());
     }
     experiment.guard.reduced_speed_mm_s = line;
-    let layout = experiment.planned.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
+    let layout = experiment.planned.plan.layout().map_err(Fault::new)?;
     Ok(1e3 * fastest_point(&experiment.planned.robot.robot, &experiment.planned.plan, &layout).speed / line)
 }
 
@@ -257,7 +257,7 @@ fn at_speed(experiment: &Experiment, speed: Speed, first_run: bool) -> Experimen
 
 /// The plan can be performed and stays inside the robot's limits.
 fn fits(experiment: &Experiment) -> Result<()> {
-    let layout = experiment.planned.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
+    let layout = experiment.planned.plan.layout().map_err(Fault::new)?;
     experiment.planned.plan.check_limits(&experiment.planned.robot.robot).map_err(|error| {
         let help = "nothing has moved; choose another trajectory, a longer period or longer ramps";
         miette::Report::from(Fault::new(format!("{}: {error}", experiment.planned.text.name)).help(help))
@@ -285,7 +285,7 @@ fn left(arguments: &Arguments, console: &Console, experiment: &Experiment, path:
     let found = resumption::find(path, experiment)?;
     if matches!(found, Found::Nothing) {
         console
-            .note(format!("{} not found: nothing to continue, starting from the beginning", part_of(path).display()));
+            .note(format!("{} not found: nothing to continue, starting from the beginning", part_path(path).display()));
     }
     Ok(found)
 }
@@ -299,7 +299,7 @@ fn perform(
     path: &Path,
     part: Option<&Part>,
 ) -> Result<Done> {
-    let layout = experiment.planned.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
+    let layout = experiment.planned.plan.layout().map_err(Fault::new)?;
     let bar = bar(console, layout.samples() as u64, "samples");
     let taken = AtomicUsize::new(0);
     let on_sample = |samples: usize| {
@@ -314,10 +314,10 @@ fn perform(
     let robot = &experiment.planned.robot.robot;
     let mut sink: Box<dyn FileSink + '_> = match part {
         _ if is_csv(path) => Box::new(CsvSink::new(path, on_sample).stopping_when(interrupt::asked)),
-        None => Box::new(McapSink::new(path, notes, on_sample).showing(robot).stopping_when(interrupt::asked)),
+        None => Box::new(McapSink::new(path, notes, on_sample).with_robot(robot).stopping_when(interrupt::asked)),
         Some(part) => {
             notes.insert("sessions".to_owned(), part.sessions(experiment.planned.plan.periods));
-            let sink = McapSink::new(path, notes, on_sample).showing(robot).resuming(part.continuation.samples());
+            let sink = McapSink::new(path, notes, on_sample).with_robot(robot).resuming(part.continuation.samples());
             Box::new(sink.stopping_when(interrupt::asked))
         }
     };
@@ -334,7 +334,7 @@ fn perform(
     let (performed, passed_on) = if experiment.arm == ArmKind::Ros2 {
         // No signal ends this process before the arm is at rest.
         let _moving = interrupt::moving();
-        beside(&mut *sink, interrupt::asked, work)
+        with_sink_thread(&mut *sink, interrupt::asked, work)
     } else {
         (work(&mut *sink), Ok(()))
     };
@@ -346,7 +346,7 @@ fn perform(
         // That nobody saw the arm at rest counts more than the file, and decides the exit status.
         Err(error) if performed.ending.is_unconfirmed() => {
             console.alarm(&format!("the recording is not whole: {error}"));
-            part_of(path)
+            part_path(path)
         }
         Err(error) => {
             if let Some(rest) = performed.ending.rest() {
@@ -364,7 +364,7 @@ fn efforts(experiment: &Experiment, certificate: &Certificate) -> Option<EffortM
     let nominal = loaded.nominal.as_ref().or(loaded.own.as_ref())?;
     let multiple = certificate.uncertainty_multiple;
     let spread = loaded.uncertainty.as_ref().filter(|_| multiple > 0.0);
-    let spread = spread.map(|shares| ParameterSpread::of(&loaded.robot, nominal, shares, multiple));
+    let spread = spread.map(|shares| ParameterSpread::new(&loaded.robot, nominal, shares, multiple));
     Some(EffortModel::new(&loaded.robot, nominal, spread.as_ref()))
 }
 

@@ -97,7 +97,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     })?;
     console.deliver(&destination, &points.text(sample.to)?)?;
     let text = format!("{destination}\n{}", words(&points, robot.as_ref().map(Robot::name)));
-    console.show(&Answer { text, json: serde_json::to_value(&points).map_err(Error::of)? })?;
+    console.show(&Answer { text, json: serde_json::to_value(&points).map_err(Error::new)? })?;
     Ok(Ending::Done)
 }
 

@@ -48,16 +48,16 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         // A model file is its own robot unless another one reads the log.
         let model = arguments.log.model(name)?;
         let (log, _) = arguments.log.clone().with_robot(name).process(&arguments.logs, None, HeldOut::Nothing)?;
-        (validate_model((&model, name), &log, limit, &watch)?, log)
+        (validate_model(&model, name, &log, limit, &watch)?, log)
     } else {
         let estimates = estimate::parse_all(&text)?;
         let inputs = Inputs::of_estimate(&text)?;
         let (log, now) = arguments.log.process(&arguments.logs, inputs.as_ref(), HeldOut::Nothing)?;
         let inputs = [inputs.as_ref(), Some(&now)];
-        (validate((&estimates, name), &log, inputs, limit, &watch)?, log)
+        (validate(&estimates, name, &log, inputs, limit, &watch)?, log)
     };
     let text = answer.verdicts.iter().map(|verdict| verdict_text(verdict, &log, console.global.verbose)).collect();
-    console.answer(&Answer { text, json: serde_json::to_value(&answer).map_err(Error::of)? })?;
+    console.answer(&Answer { text, json: serde_json::to_value(&answer).map_err(Error::new)? })?;
     Ok(if answer.passed() { Ending::Done } else { Ending::Negative })
 }
 

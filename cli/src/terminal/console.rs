@@ -35,7 +35,7 @@ impl Console {
         self.destination.as_ref()?.path()
     }
 
-    /// The same, or another place where there is no `-o`.
+    /// The file or folder that `-o` names, or another place where there is no `-o`.
     pub(crate) fn output_or<E>(&self, otherwise: impl FnOnce() -> Result<PathBuf, E>) -> Result<PathBuf, E> {
         self.output().map_or_else(otherwise, |path| Ok(path.to_path_buf()))
     }

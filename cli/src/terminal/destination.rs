@@ -82,6 +82,6 @@ impl Writes {
 /// # Errors
 /// [`Error`] where the name is no part of a path.
 pub(crate) fn report_folder(key: &str, name: &str) -> Result<PathBuf, Error> {
-    check_file_name(key, name).map_err(|error| Error::of(error).help("-o chooses the place"))?;
+    check_file_name(key, name).map_err(|error| Error::new(error).help("-o chooses the place"))?;
     Ok(Path::new("reports").join(name))
 }

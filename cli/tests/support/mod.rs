@@ -17,7 +17,7 @@ pub(crate) fn armid<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> 
     assert_cmd::Command::new(program()).args(arguments).assert()
 }
 
-/// The same in a folder.
+/// Runs `armid` in a folder.
 pub(crate) fn armid_in<A: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = A>) -> Assert {
     assert_cmd::Command::new(program()).current_dir(folder).args(arguments).assert()
 }

@@ -12,6 +12,8 @@
 //! the speed. Where friction falls as a joint starts to move (Stribeck), the slowest speeds lie above the line through the
 //! faster half.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::error::CalibrationError;
@@ -114,12 +116,12 @@ pub fn friction(recording: &Recording, robot: &Robot, joint: usize) -> Result<Fr
     let weights: Vec<f64> = means.iter().map(|mean| mean.2).collect();
     let line = Line::through(&points, &weights)?;
     let noise = variance / periods as f64;
-    let residual: f64 = points.iter().map(|point| (point.friction.value - line.at(point.speed)).powi(2)).sum();
+    let residual: f64 = points.iter().map(|point| (point.friction.value - line.value(point.speed)).powi(2)).sum();
     let stribeck = if points.len() >= 4 {
         let half = points.len() / 2;
         let fast = Line::through(&points[half..], &weights[half..])?;
         let slow = points[0];
-        let excess = slow.friction.value - fast.at(slow.speed);
+        let excess = slow.friction.value - fast.value(slow.speed);
         let spread = (noise / weights[0] + noise * fast.variance_at(slow.speed)).sqrt();
         Some(Measured::new(excess, spread, freedom))
     } else {
@@ -127,7 +129,7 @@ pub fn friction(recording: &Recording, robot: &Robot, joint: usize) -> Result<Fr
     };
     Ok(Friction {
         viscous: Measured::new(line.slope(), (noise * line.covariance[(1, 1)]).sqrt(), freedom),
-        coulomb: Measured::new(line.at(0.0), (noise * line.covariance[(0, 0)]).sqrt(), freedom),
+        coulomb: Measured::new(line.value(0.0), (noise * line.covariance[(0, 0)]).sqrt(), freedom),
         stribeck,
         residual_rms: (residual / points.len() as f64).sqrt(),
         points,
@@ -145,7 +147,8 @@ struct Pair {
 /// The segments of a joint that are followed by their way back, without their ends, by speed.
 fn pairs(motion: &ConstantSpeedTrajectory, joint: usize, rate_hz: f64) -> Vec<Pair> {
     let speed = &motion.joints[joint].speed;
-    let window = |(begin, end): (f64, f64)| ((begin * rate_hz).round() as usize, (end * rate_hz).round() as usize);
+    let sample = |t: f64| (t * rate_hz).round() as usize;
+    let window = |segment: &Range<f64>| (sample(segment.start), sample(segment.end));
     let segments = motion.segments();
     let n = motion.dof();
     let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
@@ -156,9 +159,8 @@ fn pairs(motion: &ConstantSpeedTrajectory, joint: usize, rate_hz: f64) -> Vec<Pa
     let mut pairs: Vec<Pair> = (0..speed.len().saturating_sub(1))
         .filter(|&k| speed[k] > 0.0 && speed[k + 1] == -speed[k])
         .map(|k| {
-            let (begin, end) = segments[k];
-            let way = (at(begin + SETTLING_S), at(end - SETTLING_S));
-            Pair { speed: speed[k], way, there: window(segments[k]), back: window(segments[k + 1]) }
+            let way = (at(segments[k].start + SETTLING_S), at(segments[k].end - SETTLING_S));
+            Pair { speed: speed[k], way, there: window(&segments[k]), back: window(&segments[k + 1]) }
         })
         .filter(|pair| pair.way.1 > pair.way.0 && pair.there.1 > pair.there.0 && pair.back.1 > pair.back.0)
         .collect();
@@ -186,7 +188,7 @@ impl Line {
         self.solution[1]
     }
 
-    fn at(&self, speed: f64) -> f64 {
+    fn value(&self, speed: f64) -> f64 {
         self.solution[0] + self.solution[1] * speed
     }
 

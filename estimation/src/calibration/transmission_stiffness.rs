@@ -195,7 +195,7 @@ impl Motor {
     fn noise(&self, residual: &DVector<f64>, fitted: usize) -> NoiseModel {
         let left = self.equations.saturating_sub(fitted).max(1) as f64;
         let mut products = LagProducts::new(residual.as_slice(), 1, self.wraps);
-        NoiseModel::adaptive(|l| products.at(l) / left, residual.len() / 4, self.wraps, left)
+        NoiseModel::adaptive(|l| products.product(l) / left, residual.len() / 4, self.wraps, left)
     }
 
     fn stiffness(&self, robot: &Robot) -> Result<TransmissionStiffness, CalibrationError> {

@@ -54,7 +54,8 @@ pub(super) struct Model {
 impl Model {
     pub(super) fn new(robot: Robot, columns: Columns) -> Result<Self, BaseError> {
         // Mistakes do not hide behind friction of the load.
-        let columns = columns.terms().filter(|term| term.entry().needs.is_motion()).fold(Columns::RIGID, Columns::with);
+        let columns =
+            columns.terms().filter(|term| term.entry().needs.is_motion()).fold(Columns::RIGID, Columns::with_term);
         let base = reduce(&robot, columns, Method::Structural, Seed::new(0))?;
         let regressor = JointTorqueRegressor::new(&robot, columns).map_err(BaseError::from)?;
         let friction = |(at, &column): (usize, &usize)| match base.parameters[column] {

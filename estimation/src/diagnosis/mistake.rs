@@ -84,7 +84,7 @@ impl Mistake {
 
     /// What to try.
     pub fn correction(&self) -> Remedy {
-        let map = |words: &str, map: &str| Remedy::from(words).to(Setting::Map, map);
+        let map = |words: &str, map: &str| Remedy::from(words).assign(Setting::Map, map);
         match self {
             Self::Degrees => map("state the unit: ", "q=… deg"),
             Self::Radians => map("state the unit: ", "q=… rad"),
@@ -95,16 +95,16 @@ impl Mistake {
             Self::MotorAngles => map("state the side: ", "q=… motor").say(", with gear=… where the robot has none"),
             Self::MotorTorques => map("state the side: ", "tau=… motor").say(", with gear=… where the robot has none"),
             Self::EffortUnit { factor } if *factor == 1e-3 => {
-                map("state the unit: ", "current=… mA").say(" or ").to(Setting::Map, "tau=… mNm")
+                map("state the unit: ", "current=… mA").say(" or ").assign(Setting::Map, "tau=… mNm")
             }
             Self::EffortUnit { .. } => map("state what they are: ", "current=… % rated=…")
                 .say(" (A), or ")
-                .to(Setting::Map, "tau=… % rated=…")
+                .assign(Setting::Map, "tau=… % rated=…")
                 .say(" (N·m)"),
             Self::EffortsReversed { .. } => map("reverse all of them: ", "tau=… sign=-").say(" (or current)"),
             Self::EffortsSmall { .. } => map("state what they are: ", "current=… constant=… gear=…")
                 .say(" for currents, or ")
-                .to(Setting::Map, "tau=… motor gear=…")
+                .assign(Setting::Map, "tau=… motor gear=…")
                 .say(" for torques at the motors"),
             Self::Gravity { direction: [x, y, z] } => {
                 format!("turn gravity_m_s2 in the robot file along [{x}, {y}, {z}], or the base as it is mounted")

@@ -62,7 +62,7 @@ fn of_motors(
     declared: &DeclaredUncertainty,
 ) -> Result<Vec<DVector<f64>>, EstimationError> {
     let (constant, lag) =
-        (declared.of(DeclaredUncertainty::TORQUE_CONSTANT), declared.of(DeclaredUncertainty::CURRENT_LAG));
+        (declared.std(DeclaredUncertainty::TORQUE_CONSTANT), declared.std(DeclaredUncertainty::CURRENT_LAG));
     if constant == 0.0 && lag == 0.0 {
         return Ok(Vec::new());
     }
@@ -110,7 +110,7 @@ fn coefficients(declared: &DeclaredUncertainty, observation: &Observation, beta:
         let [(id, _)] = observation.base.terms(j)[..] else { continue };
         let ParameterKind::Term(term) = id.kind else { continue };
         let prior = term.entry().prior;
-        let std = declared.of(prior.key);
+        let std = declared.std(prior.key);
         if std > 0.0 {
             let size = match prior.of {
                 PriorOf::Value => value.abs(),

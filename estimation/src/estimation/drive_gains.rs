@@ -88,7 +88,7 @@ pub struct DriveGains {
 impl DriveGains {
     /// Joints whose gain is not 1, at a level of 5 % over all joints together (Bonferroni): their stated constants are wrong. None by a
     /// method that has no intervals.
-    pub fn wrong(&self) -> Vec<usize> {
+    pub fn wrong_joints(&self) -> Vec<usize> {
         let Some(freedom) = self.degrees_of_freedom else { return Vec::new() };
         let t = student_quantile(1.0 - 0.025 / self.gains.len() as f64, freedom);
         let is_wrong = |gain: &DriveGain| gain.std.is_some_and(|std| (gain.value - 1.0).abs() > t * std);
@@ -96,7 +96,7 @@ impl DriveGains {
     }
 
     /// Joints whose gain the load does not show: the 95 % interval holds zero, has no end, or is not there.
-    pub fn hidden(&self) -> Vec<usize> {
+    pub fn hidden_joints(&self) -> Vec<usize> {
         let is_hidden = |gain: &DriveGain| !gain.ci95.is_some_and(|ends| ends[0] > 0.0 && ends[1].is_finite());
         (0..self.gains.len()).filter(|&joint| is_hidden(&self.gains[joint])).collect()
     }
@@ -156,12 +156,12 @@ pub fn gain_equations(
     Err(EstimationError::LoadNotAtRest { change, rounds: ITERATIONS, rest: LOAD_AT_REST })
 }
 
-/// How base parameters follow the gains: `∂β̂/∂ ln κ_i` of weighted least squares, b × n. A constant of joint i that is stated one per cent too
+/// Sensitivity of base parameters to the gains: `∂β̂/∂ ln κ_i` of weighted least squares, b × n. A constant of joint i that is stated one per cent too
 /// small moves them by a hundredth of column i; all columns together are β̂.
 ///
 /// # Errors
 /// As [`Factorisation::least_squares`].
-pub fn moved_by_gains(observation: &Observation) -> Result<DMatrix<f64>, EstimationError> {
+pub fn gain_slopes(observation: &Observation) -> Result<DMatrix<f64>, EstimationError> {
     let equations = Factorisation::new(observation)?;
     let linear = LinearFit::weighted(&equations)?;
     let Some(weights) = &linear.weights else { return Err(EstimationError::NotDefinite) };
@@ -407,9 +407,9 @@ mod tests {
             termination: Termination::Direct,
         };
         // The quantile of a normal distribution at 1 − 0.025/5 is 2.576: 2.3 deviations are not enough, 3 are.
-        assert_eq!((gains.wrong(), gains.hidden()), (vec![1], vec![2, 3, 4]));
+        assert_eq!((gains.wrong_joints(), gains.hidden_joints()), (vec![1], vec![2, 3, 4]));
         gains.degrees_of_freedom = None;
-        assert!(gains.wrong().is_empty());
+        assert!(gains.wrong_joints().is_empty());
     }
 
     #[test]

@@ -83,8 +83,8 @@ pub struct FrictionSpeeds {
 }
 
 impl FrictionSpeeds {
-    /// Joints, from one, whose speed the data do not show.
-    pub fn not_shown(&self) -> Vec<usize> {
+    /// Joints, from one, whose speed the data do not determine.
+    pub fn joints_not_shown(&self) -> Vec<usize> {
         self.joints.iter().filter(|joint| joint.speed.is_none()).map(|joint| joint.joint).collect()
     }
 
@@ -114,9 +114,10 @@ impl FrictionSpeeds {
     }
 
     /// The speeds of a base of these columns; `None` where no column has one.
-    pub(super) fn found(
+    pub(super) fn find(
         robot: &Robot,
-        (columns, base): (Columns, &BaseReduction),
+        columns: Columns,
+        base: &BaseReduction,
         samples: &Samples,
         shape: ShapeParameter,
         observer: &dyn Observer,

@@ -150,7 +150,7 @@ impl Identification {
         }
     }
 
-    /// With a nominal set; estimates then carry a full set of standard parameters, see [`super::complete`].
+    /// Adds a nominal set. Estimates then carry a full set of standard parameters, see [`super::complete`].
     #[must_use]
     pub fn with_nominal(self, nominal: &StandardParameters) -> Self {
         Self { nominal: Some(nominal.clone()), ..self }
@@ -218,7 +218,7 @@ impl Identification {
         shape: ShapeParameter,
         observer: &dyn Observer,
     ) -> Result<Option<FrictionSpeeds>, EstimationError> {
-        FrictionSpeeds::found(&self.robot, (self.columns(), &self.base), samples, shape, observer)
+        FrictionSpeeds::find(&self.robot, self.columns(), &self.base, samples, shape, observer)
     }
 
     /// The equations of one experiment.

@@ -74,7 +74,7 @@ pub use closed_loop::{
 };
 pub use comparison::{ComparedParameter, Comparison, compare};
 pub use completion::{Completion, complete};
-pub use drive_gains::{DriveGain, DriveGains, GainMethod, drive_gains, gain_equations, moved_by_gains};
+pub use drive_gains::{DriveGain, DriveGains, GainMethod, drive_gains, gain_equations, gain_slopes};
 pub use error::{EstimationError, ExternalError};
 pub use estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate};
 pub use estimator::Estimator;
@@ -92,7 +92,7 @@ pub use model_fit::{BodyOrigin, ModelFit, ModelGuess, PriorWeight, fit_model};
 pub use observation::Observation;
 pub use payload::{NegativeMass, NegativeMassCause, Payload, PayloadBody, PayloadParameter, payload};
 pub use pooled::{Pooled, pool};
-pub use position_servo::{PositionServo, ServoEstimate, ServoPart, between};
+pub use position_servo::{PositionServo, ServoEstimate, ServoPart, interpolate};
 pub use prediction::{Model, Validation, predict, validate};
 pub use problem::EstimationProblem;
 pub use residual::{residual_noise, scatter_noise};

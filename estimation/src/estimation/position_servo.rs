@@ -36,7 +36,7 @@ impl fmt::Display for ServoPart {
 }
 
 impl ServoPart {
-    /// Of a name: `delay`, or `kp`, `kd` or `zero` with the number of a joint from one.
+    /// Reads a name: `delay`, or `kp`, `kd` or `zero` with the number of a joint from one.
     pub fn parse(name: &str) -> Option<Self> {
         if name == "delay" {
             return Some(Self::Delay);
@@ -80,7 +80,7 @@ pub struct PositionServo {
     pub delay_s: f64,
     /// What is added to the encoders, rad (m), n; empty where nothing is.
     pub zero: Vec<f64>,
-    /// Those of the numbers that are guesses, to be estimated.
+    /// The numbers that are guesses, to be estimated.
     pub unknown: Vec<ServoPart>,
 }
 
@@ -170,16 +170,16 @@ impl PositionServo {
         samples.tau.iter().enumerate().map(command).collect()
     }
 
-    /// Samples whose torque these servos made, as `other` servos under the same commands make it; where a command is not known, no equations.
+    /// The samples of these servos as `other` servos make them under the same commands. Rows whose command is not known are no equations.
     #[must_use]
-    pub fn restated(&self, samples: &Samples, other: &Self) -> Samples {
+    pub fn restated_samples(&self, samples: &Samples, other: &Self) -> Samples {
         let n = self.kp.len();
         let commands = self.commands(samples);
         let later = (other.delay_s - self.delay_s) * samples.rate_hz;
         let mut restated = samples.clone();
         for (at, tau) in restated.tau.iter_mut().enumerate() {
             let (row, i) = (at / n, at % n);
-            let (command, _) = between(&commands, n, i, row as f64 - later);
+            let (command, _) = interpolate(&commands, n, i, row as f64 - later);
             *tau = other.kp[i] * (command - samples.states.q[at]) - other.kd[i] * samples.states.qd[at];
         }
         // Rows whose command was before the samples, or is after them, are no equations.
@@ -199,7 +199,7 @@ impl PositionServo {
 
 /// The value of column `i` of a table of `n` columns at a row that need not be whole, and its slope per row: a cubic through the four
 /// rows around it (Catmull and Rom's); that of the first or last row beyond them.
-pub fn between(table: &[f64], n: usize, i: usize, row: f64) -> (f64, f64) {
+pub fn interpolate(table: &[f64], n: usize, i: usize, row: f64) -> (f64, f64) {
     let last = table.len() / n.max(1) - 1;
     let from = row.floor();
     let x = row - from;
@@ -237,11 +237,11 @@ mod tests {
     fn analytic_a_parabola_between_rows_is_exact() {
         let table: Vec<f64> = (0..6).flat_map(|k| [f64::from(k * k), 1.0 - f64::from(k)]).collect();
         for row in [1.0, 2.25, 3.5, 3.999] {
-            let (value, slope) = between(&table, 2, 0, row);
+            let (value, slope) = interpolate(&table, 2, 0, row);
             assert!((value - row * row).abs() < 1e-12 && (slope - 2.0 * row).abs() < 1e-12, "{row}: {value} {slope}");
-            assert!((between(&table, 2, 1, row).0 - (1.0 - row)).abs() < 1e-12);
+            assert!((interpolate(&table, 2, 1, row).0 - (1.0 - row)).abs() < 1e-12);
         }
-        assert_eq!((between(&table, 2, 0, -2.0).0, between(&table, 2, 0, 9.0).0), (0.0, 25.0));
+        assert_eq!((interpolate(&table, 2, 0, -2.0).0, interpolate(&table, 2, 0, 9.0).0), (0.0, 25.0));
     }
 
     #[test]
@@ -267,7 +267,7 @@ mod tests {
         let torque = (0..rows).flat_map(|k| tau(&stated, at(k))).collect();
         let samples = Samples::exact(states, torque, vec!["N·m".to_owned(); 2], rate);
         let other = stated.clone().with_unknown(&[30.0, 0.023, 0.25]);
-        let restated = stated.restated(&samples, &other);
+        let restated = stated.restated_samples(&samples, &other);
         for k in 5..rows - 5 {
             let expected = tau(&other, at(k));
             for i in 0..2 {
@@ -277,7 +277,7 @@ mod tests {
         }
         // Commands of the first rows were given before them.
         assert!((0..2 * rows).all(|at| restated.used[at] == (at >= 4)), "{:?}", restated.used);
-        let back = other.restated(&restated, &stated);
+        let back = other.restated_samples(&restated, &stated);
         assert!(back.states.q.iter().zip(&samples.states.q).all(|(a, b)| (a - b).abs() < 1e-15));
     }
 

@@ -33,7 +33,7 @@ pub fn residual_noise(observation: &Observation, r: &DVector<f64>) -> NoiseModel
     let (dof, wraps, count) = (observation.dof, observation.periodic, observation.samples());
     let scale = ResidualScale::of(observation);
     let mut products = LagProducts::new(r.as_slice(), dof, wraps);
-    let lag = |l: usize| scale.covariance(&products.at(l));
+    let lag = |l: usize| scale.covariance(&products.product(l));
     NoiseModel::adaptive(lag, count / 4, wraps, observation.equations() as f64 / dof as f64 * scale.left)
 }
 

@@ -113,7 +113,7 @@ impl<'a> SpeedColumns<'a> {
     }
 
     /// The equations at these speeds.
-    pub(super) fn at(&self, observation: &Observation, speeds: &[f64]) -> Observation {
+    pub(super) fn observation_at(&self, observation: &Observation, speeds: &[f64]) -> Observation {
         let mut changed = observation.clone();
         for (place, column) in self.places().into_iter().zip(self.matrix(observation, speeds).column_iter()) {
             changed.regressor.set_column(place, &column);

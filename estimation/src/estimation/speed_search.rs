@@ -102,7 +102,7 @@ impl<'a> Search<'a> {
 
     /// Σ by the fit at these speeds; as it was where the residual of an exact fit has no covariance.
     fn weigh(&mut self, speeds: &[f64]) -> Result<(), EstimationError> {
-        let observation = self.columns.at(self.observation, speeds);
+        let observation = self.columns.observation_at(self.observation, speeds);
         let found = LinearFit::weighted(&Factorisation::new(&observation)?);
         let weights = match (found, &self.projected) {
             (Ok(LinearFit { weights: Some(weights), .. }), _) => weights,

@@ -117,7 +117,7 @@ impl Certificate {
     ///
     /// # Errors
     /// [`ExcitationError::Joints`] if the trajectory is not one of as many joints as the robot has.
-    pub fn of(problem: &DesignProblem, trajectory: &PeriodicTrajectory) -> Result<Self, ExcitationError> {
+    pub fn new(problem: &DesignProblem, trajectory: &PeriodicTrajectory) -> Result<Self, ExcitationError> {
         let n = problem.robot().dof();
         same_joints(trajectory.dof(), n)?;
         let samples = problem.budget().certificate_samples;
@@ -238,10 +238,9 @@ mod tests {
 
     fn problem(columns: Columns) -> DesignProblem {
         let mut problem =
-            DesignProblem::new(chains::crs_a460(), columns, CriterionKind::Condition, DesignLimits::of_motion())
-                .unwrap();
+            DesignProblem::new(chains::crs_a460(), columns, CriterionKind::Condition, DesignLimits::motion()).unwrap();
         problem
-            .set_limits(DesignLimits { nominal: Some(chains::crs_a460_nominal()), ..DesignLimits::of_motion() })
+            .set_limits(DesignLimits { nominal: Some(chains::crs_a460_nominal()), ..DesignLimits::motion() })
             .unwrap();
         problem
     }
@@ -252,7 +251,7 @@ mod tests {
         // table on the 36 base columns, and at most 90 % of any limit (90.5 here).
         let mut problem = problem(Columns::RIGID);
         problem.set_budget(DesignBudget { certificate_samples: 1000, ..DesignBudget::default() }).unwrap();
-        let certificate = Certificate::of(&problem, &table_one::corrected().into()).unwrap();
+        let certificate = Certificate::new(&problem, &table_one::corrected().into()).unwrap();
         assert!((certificate.condition - 210.5).abs() < 0.6, "{}", certificate.condition);
         assert!((certificate.condition_scaled - 55.4).abs() < 0.6, "{}", certificate.condition_scaled);
         assert!((certificate.log_det_information - 15.85).abs() < 0.1, "{}", certificate.log_det_information);
@@ -267,7 +266,7 @@ mod tests {
         let mut problem = problem(Columns::RIGID_ROTOR_FRICTION);
         problem.set_budget(DesignBudget { certificate_samples: 400, ..DesignBudget::default() }).unwrap();
         let trajectory = table_one::corrected().into();
-        let certificate = Certificate::of(&problem, &trajectory).unwrap();
+        let certificate = Certificate::new(&problem, &trajectory).unwrap();
         let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns).unwrap();
         let w = problem.base().select_columns(&regressor.stack(&trajectory.sample(400)));
         assert_eq!(w.ncols(), 58);
@@ -283,16 +282,15 @@ mod tests {
 
     #[test]
     fn identity_friction_of_the_load_is_judged_by_the_nominal_links() {
-        let columns = Columns::RIGID_ROTOR_FRICTION.with(LOAD_FRICTION);
+        let columns = Columns::RIGID_ROTOR_FRICTION.with_term(LOAD_FRICTION);
         let trajectory = table_one::corrected().into();
         let alone =
-            DesignProblem::new(chains::crs_a460(), columns, CriterionKind::Condition, DesignLimits::of_motion())
-                .unwrap();
-        let refused = Certificate::of(&alone, &trajectory).unwrap_err();
+            DesignProblem::new(chains::crs_a460(), columns, CriterionKind::Condition, DesignLimits::motion()).unwrap();
+        let refused = Certificate::new(&alone, &trajectory).unwrap_err();
         assert!(matches!(refused, ExcitationError::Columns(ColumnsError::Load { .. })), "{refused}");
         let mut problem = problem(columns);
         problem.set_budget(DesignBudget { certificate_samples: 400, ..DesignBudget::default() }).unwrap();
-        let certificate = Certificate::of(&problem, &trajectory).unwrap();
+        let certificate = Certificate::new(&problem, &trajectory).unwrap();
         let nominal = chains::crs_a460_nominal();
         let regressor = JointTorqueRegressor::with_load(problem.robot(), columns, &nominal);
         let w = problem.base().select_columns(&regressor.stack(&trajectory.sample(400)));
@@ -324,7 +322,7 @@ mod tests {
         let mut problem = problem(Columns::RIGID_ROTOR_FRICTION);
         problem.set_budget(DesignBudget { certificate_samples: 200, ..DesignBudget::default() }).unwrap();
         let trajectory = table_one::corrected().into();
-        let found = Certificate::of(&problem, &trajectory).unwrap().bias_susceptibility.unwrap();
+        let found = Certificate::new(&problem, &trajectory).unwrap().bias_susceptibility.unwrap();
         let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns).unwrap();
         let w = problem.base().select_columns(&regressor.stack(&trajectory.sample(200)));
         let units = problem.objective().units();
@@ -347,7 +345,7 @@ mod tests {
     fn identity_no_grid_of_samples_uses_more_than_the_certificate_says() {
         let problem = problem(Columns::RIGID);
         let trajectory = table_one::corrected().into();
-        let used = Certificate::of(&problem, &trajectory).unwrap().worst_limit_use;
+        let used = Certificate::new(&problem, &trajectory).unwrap().worst_limit_use;
         let states = trajectory.sample(7919);
         let nominal = problem.limits().nominal.as_ref().unwrap();
         let mut dynamics = crate::dynamics::Dynamics::new(problem.robot(), nominal);

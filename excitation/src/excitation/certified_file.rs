@@ -17,7 +17,7 @@ struct In {
 }
 
 impl Certificate {
-    /// The file of a trajectory with this certificate. [`PeriodicTrajectory::from_toml`] reads the motion, [`Self::in_toml`]
+    /// The file of a trajectory with this certificate. [`PeriodicTrajectory::from_toml`] reads the motion, [`Self::from_toml`]
     /// the certificate.
     pub fn to_toml_with(&self, trajectory: &PeriodicTrajectory) -> String {
         let table =
@@ -33,7 +33,7 @@ impl Certificate {
     ///
     /// # Errors
     /// [`ExcitationError::Certificate`] if the table is there and is not a certificate.
-    pub fn in_toml(text: &str) -> Result<Option<Self>, ExcitationError> {
+    pub fn from_toml(text: &str) -> Result<Option<Self>, ExcitationError> {
         let fault =
             |error: toml::de::Error| ExcitationError::Certificate { message: error.message().trim_end().to_owned() };
         let file: In = toml::from_str(text).map_err(fault)?;
@@ -55,17 +55,17 @@ mod tests {
 
     fn certified() -> (DesignProblem, PeriodicTrajectory, Certificate) {
         let mut problem =
-            DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::Condition, DesignLimits::of_motion())
+            DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::Condition, DesignLimits::motion())
                 .unwrap();
         let nominal = Some(chains::crs_a460_nominal());
-        problem.set_limits(DesignLimits { nominal, ramp_s: Some(2.0), ..DesignLimits::of_motion() }).unwrap();
+        problem.set_limits(DesignLimits { nominal, ramp_s: Some(2.0), ..DesignLimits::motion() }).unwrap();
         problem.set_budget(DesignBudget { certificate_samples: 500, ..DesignBudget::default() }).unwrap();
         let mut series = table_one::corrected();
         for (moved, joint) in series.joints.iter_mut().zip(problem.robot().joints()) {
             moved.name.clone_from(&joint.name);
         }
         let motion: PeriodicTrajectory = series.into();
-        let certificate = Certificate::of(&problem, &motion).unwrap();
+        let certificate = Certificate::new(&problem, &motion).unwrap();
         (problem, motion, certificate)
     }
 
@@ -74,10 +74,10 @@ mod tests {
         let (_, motion, certificate) = certified();
         let text = certificate.to_toml_with(&motion);
         assert_eq!(PeriodicTrajectory::from_toml(&text).unwrap(), motion);
-        assert_eq!(Certificate::in_toml(&text).unwrap().unwrap(), certificate);
-        assert_eq!(Certificate::in_toml(&motion.to_toml()).unwrap(), None);
+        assert_eq!(Certificate::from_toml(&text).unwrap().unwrap(), certificate);
+        assert_eq!(Certificate::from_toml(&motion.to_toml()).unwrap(), None);
         let broken = text.replace("trajectory_sha256", "trajectory_sha");
-        assert!(Certificate::in_toml(&broken).unwrap_err().to_string().contains("trajectory_sha256"));
+        assert!(Certificate::from_toml(&broken).unwrap_err().to_string().contains("trajectory_sha256"));
     }
 
     #[test]
@@ -91,7 +91,7 @@ mod tests {
             verify_certificate(robot, &other, &certificate, None),
             Err(VerificationError::OtherTrajectory { .. })
         ));
-        let elsewhere = robot.clone().read_from("another file");
+        let elsewhere = robot.clone().with_source("another file");
         assert!(matches!(
             verify_certificate(&elsewhere, &motion, &certificate, None),
             Err(VerificationError::OtherRobot { .. })
@@ -105,7 +105,7 @@ mod tests {
             verify_certificate(&smooth, &motion, &certificate, None),
             Err(VerificationError::Limit { limit: LimitKind::Jerk, .. })
         ));
-        let low = robot.clone().with_obstacle(Obstacle::above("table", 0.8));
+        let low = robot.clone().with_obstacle(Obstacle::everything_below("table", 0.8));
         let fault = verify_certificate(&low, &motion, &certificate, None).unwrap_err();
         assert!(matches!(fault, VerificationError::Contact(_)) && fault.to_string().contains("\"table\""), "{fault}");
         let mut strained = certificate.clone();

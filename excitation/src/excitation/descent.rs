@@ -240,7 +240,7 @@ mod tests {
 
     #[test]
     fn analytic_of_iterates_nearly_inside_the_most_promising_is_moved_at_the_cost_of_one_evaluation() {
-        let (robot, limits) = (chains::crs_a460(), DesignLimits::of_motion());
+        let (robot, limits) = (chains::crs_a460(), DesignLimits::motion());
         let problem = DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, limits).unwrap();
         let mut feasibility = Feasibility::new(&problem).unwrap();
         let start = feasibility.first_guess(&problem, Seed::new(7), 0).unwrap();

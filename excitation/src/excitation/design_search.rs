@@ -83,7 +83,7 @@ fn judged(
     trajectory: PeriodicTrajectory,
     found: Found,
 ) -> Result<Design, ExcitationError> {
-    let certificate = Certificate::of(problem, &trajectory)?;
+    let certificate = Certificate::new(problem, &trajectory)?;
     let criterion = &problem.objective().criterion;
     Ok(Design {
         termination: feasibility.verdict(problem, &trajectory, &certificate).unwrap_or(found.ending),
@@ -173,8 +173,7 @@ mod tests {
     use crate::trajectory::Quantity;
 
     fn problem(columns: Columns, criterion: CriterionKind, evaluations: usize) -> DesignProblem {
-        let mut problem =
-            DesignProblem::new(chains::crs_a460(), columns, criterion, DesignLimits::of_motion()).unwrap();
+        let mut problem = DesignProblem::new(chains::crs_a460(), columns, criterion, DesignLimits::motion()).unwrap();
         problem.set_budget(DesignBudget { evaluations, ..DesignBudget::default() }).unwrap();
         problem
     }
@@ -182,7 +181,7 @@ mod tests {
     fn assert_inside(design: &Design, problem: &DesignProblem) {
         assert!(design.termination.is_feasible(), "{:?}", design.termination);
         let used = design.certificate.worst_limit_use;
-        assert!(used.largest() <= 1.0, "{used:?}");
+        assert!(LimitKind::ALL.into_iter().all(|kind| used.of(kind).is_none_or(|ratio| ratio <= 1.0)), "{used:?}");
         let states = design.trajectory.sample(5000);
         for k in 0..states.len() {
             for (j, joint) in problem.robot().joints().iter().enumerate() {
@@ -220,7 +219,8 @@ mod tests {
             .map(|observer| design(problem.watched_by(observer), Seed::new(7), 0).unwrap());
         for ended in [&first, &later] {
             assert_eq!(ended.termination, Termination::Interrupted);
-            assert!(ended.certificate.worst_limit_use.largest() <= 1.0);
+            let used = ended.certificate.worst_limit_use;
+            assert!(LimitKind::ALL.into_iter().all(|kind| used.of(kind).is_none_or(|ratio| ratio <= 1.0)), "{used:?}");
         }
         assert!(later.evaluations < 200 && later.value > first.value, "{} {}", later.value, first.value);
         // Unwatched and never ended are the same.
@@ -258,12 +258,12 @@ mod tests {
         let mut problem = problem(Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal, 120);
         let free = design(&problem, Seed::new(7), 0).unwrap();
         problem
-            .set_limits(DesignLimits { nominal: Some(chains::crs_a460_nominal()), ..DesignLimits::of_motion() })
+            .set_limits(DesignLimits { nominal: Some(chains::crs_a460_nominal()), ..DesignLimits::motion() })
             .unwrap();
         let held = design(&problem, Seed::new(7), 0).unwrap();
         assert_inside(&held, &problem);
         // The limit matters: without it the same problem asks for more than the ratings.
-        let asked = Certificate::of(&problem, &free.trajectory).unwrap().worst_limit_use.torque.unwrap();
+        let asked = Certificate::new(&problem, &free.trajectory).unwrap().worst_limit_use.torque.unwrap();
         assert!(asked > 1.0, "{asked}");
         let used = held.certificate.worst_limit_use.torque.unwrap();
         let most = problem.limits().margins.torque;
@@ -276,13 +276,13 @@ mod tests {
         let mut problem = problem(Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal, 60);
         let nominal = parse_nominal(bundled()[0].nominal, problem.robot()).unwrap();
         let shares = &nominal.relative_uncertainty;
-        let spread = ParameterSpread::of(problem.robot(), &nominal.parameters, shares, CONFIDENCE_95);
+        let spread = ParameterSpread::new(problem.robot(), &nominal.parameters, shares, CONFIDENCE_95);
         let limits = DesignLimits {
             nominal: Some(nominal.parameters),
             spread: Some(spread),
             margins: Margins { torque: 1.0, ..Margins::default() },
             ramp_s: Some(2.0),
-            ..DesignLimits::of_motion()
+            ..DesignLimits::motion()
         };
         problem.set_limits(limits).unwrap();
         for start in 0..3 {
@@ -311,7 +311,7 @@ mod tests {
     fn identity_random_baseline_keeps_the_budget_and_the_limits() {
         let mut problem = problem(Columns::RIGID, CriterionKind::Condition, 40);
         problem
-            .set_limits(DesignLimits { nominal: Some(chains::crs_a460_nominal()), ..DesignLimits::of_motion() })
+            .set_limits(DesignLimits { nominal: Some(chains::crs_a460_nominal()), ..DesignLimits::motion() })
             .unwrap();
         let drawn = random_design(&problem, Seed::new(3), 0).unwrap();
         assert_inside(&drawn, &problem);
@@ -335,10 +335,10 @@ mod tests {
             })
             .unwrap();
         let mut problem =
-            DesignProblem::new(robot, Columns::RIGID, CriterionKind::Condition, DesignLimits::of_motion()).unwrap();
+            DesignProblem::new(robot, Columns::RIGID, CriterionKind::Condition, DesignLimits::motion()).unwrap();
         problem.set_budget(DesignBudget { evaluations: 20, ..DesignBudget::default() }).unwrap();
         problem
-            .set_limits(DesignLimits { nominal: Some(chains::crs_a460_nominal()), ..DesignLimits::of_motion() })
+            .set_limits(DesignLimits { nominal: Some(chains::crs_a460_nominal()), ..DesignLimits::motion() })
             .unwrap();
         let design = design(&problem, Seed::new(3), 0).unwrap();
         let Termination::Infeasible { limit, joint, worst } = &design.termination else {

@@ -229,7 +229,7 @@ impl Feasibility {
             (LimitKind::Current, loaded.current.map(|used| used.peak)),
             (LimitKind::CurrentRms, loaded.current.map(|used| used.mean_square)),
         ];
-        let certified = LimitKind::ALL.map(|limit| (limit, worst.of(limit)));
+        let certified = LimitKind::ALL.map(|limit| (limit, worst.for_limit(limit)));
         let limits = certified.into_iter().chain(with_payload).filter_map(|(limit, worst)| {
             let part = limit.permitted(&problem.limits().margins);
             let worst = worst.filter(|worst| worst.ratio > part)?;
@@ -274,7 +274,7 @@ mod tests {
     #[test]
     fn identity_where_no_first_guess_keeps_its_clearance_the_one_that_lacks_least_is_taken() {
         // No motion of this arm keeps its forearm so far from its base.
-        let limits = DesignLimits { clearance_m: Some(0.4), ..DesignLimits::of_motion() };
+        let limits = DesignLimits { clearance_m: Some(0.4), ..DesignLimits::motion() };
         let problem = DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::DOptimal, limits).unwrap();
         let mut feasibility = Feasibility::new(&problem).unwrap();
         let (seed, index) = (Seed::new(7), 0);

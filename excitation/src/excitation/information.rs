@@ -166,7 +166,7 @@ impl Information {
                     g[i * p + self.kept[c]] = value;
                 }
             }
-            self.regressor.adjoint(states.at(k), &g, sensitivity.at_mut(k));
+            self.regressor.adjoint(states.sample(k), &g, sensitivity.sample_mut(k));
         }
     }
 }
@@ -197,7 +197,7 @@ mod tests {
     use crate::seed::Seed;
 
     fn problem(columns: Columns, kind: CriterionKind) -> DesignProblem {
-        let mut problem = DesignProblem::new(chains::crs_a460(), columns, kind, DesignLimits::of_motion()).unwrap();
+        let mut problem = DesignProblem::new(chains::crs_a460(), columns, kind, DesignLimits::motion()).unwrap();
         problem.objective.samples = 40;
         problem.set_noise(vec![0.3, 0.5, 0.2, 0.1, 0.1, 0.05]).unwrap();
         problem

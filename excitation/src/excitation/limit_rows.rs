@@ -34,7 +34,7 @@ impl LimitRows {
     /// The limits of `robot`, of which the parts `margins` may be used; excess up to `tolerance` relative to the limit
     /// counts as none.
     pub fn new(robot: &Robot, basis: &MotionBasis, margins: &Margins, tolerance: f64) -> Self {
-        let interval = |joint: &Joint| Quantity::ALL.map(|of| permitted(&joint.limits, of, margins.of(of)));
+        let interval = |joint: &Joint| Quantity::ALL.map(|of| permitted(&joint.limits, of, margins.part(of)));
         let intervals = robot.joints().iter().map(interval).collect();
         let tables = basis.shapes.iter().map(|shape| ShapeTable::new(&**shape, shape.grid())).collect();
         Self { basis: basis.clone(), intervals, tables, center: vec![0.0; basis.variables()], tolerance }

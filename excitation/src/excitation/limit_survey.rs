@@ -42,19 +42,12 @@ pub struct WorstLimitUse {
     pub clearance_m: Option<f64>,
 }
 
-impl WorstLimitUse {
-    /// The largest ratio of all.
-    pub fn largest(&self) -> f64 {
-        LimitKind::ALL.into_iter().filter_map(|kind| self.of(kind)).fold(0.0, f64::max)
-    }
-}
-
 /// The field of each kind of limit.
 macro_rules! by_kind {
     ($uses:ty, $value:ty) => {
         impl $uses {
-            /// Of one kind of limit; `None` where nothing has such a limit, and for clearances, which are distances.
-            pub const fn of(&self, kind: LimitKind) -> Option<$value> {
+            /// The value for one kind of limit; `None` where nothing has such a limit, and for clearances, which are distances.
+            pub const fn for_limit(&self, kind: LimitKind) -> Option<$value> {
                 match kind {
                     LimitKind::Position => Some(self.position),
                     LimitKind::Velocity => Some(self.velocity),
@@ -120,7 +113,7 @@ impl LimitSurvey {
         let acceleration = ramp_acceleration.map_or(acceleration, |ramp| acceleration.worst_of(ramp));
         let jerk = WorstUse::worst_of_both(worst_jerk(robot, trajectory), ramp_jerk);
         let WorstEfforts { torque, current } = efforts.map_or_else(WorstEfforts::default, |model| {
-            WorstEfforts::of(model, &Channel::all(robot), trajectory, timeline, samples)
+            WorstEfforts::compute(model, &Channel::all(robot), trajectory, timeline, samples)
         });
         let peak = |j: usize| trajectory.curve(j, Quantity::Acceleration).peak();
         let accelerations: Vec<f64> = (0..robot.dof()).map(peak).collect();

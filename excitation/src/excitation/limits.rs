@@ -121,7 +121,7 @@ pub(crate) fn shrink_into_limits(robot: &Robot, trajectory: &mut PeriodicTraject
     for (j, joint) in robot.joints().iter().enumerate() {
         let mut factor = 1.0_f64;
         for quantity in Quantity::ALL {
-            let permitted = permitted(&joint.limits, quantity, margins.of(quantity));
+            let permitted = permitted(&joint.limits, quantity, margins.part(quantity));
             let peak = room_used(&trajectory.curve(j, quantity), quantity, permitted);
             if peak > 1.0 {
                 factor = factor.min(1.0 / peak);

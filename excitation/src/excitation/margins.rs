@@ -17,7 +17,7 @@ pub struct Margins {
 
 impl Margins {
     /// The part for one quantity.
-    pub const fn of(&self, quantity: Quantity) -> f64 {
+    pub const fn part(&self, quantity: Quantity) -> f64 {
         match quantity {
             Quantity::Position => self.position,
             Quantity::Velocity => self.velocity,

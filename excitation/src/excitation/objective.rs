@@ -189,7 +189,7 @@ mod tests {
     use crate::trajectory::Family;
 
     fn problem(columns: Columns, kind: CriterionKind) -> DesignProblem {
-        let mut problem = DesignProblem::new(chains::crs_a460(), columns, kind, DesignLimits::of_motion()).unwrap();
+        let mut problem = DesignProblem::new(chains::crs_a460(), columns, kind, DesignLimits::motion()).unwrap();
         problem.objective.samples = 40;
         problem.set_noise(vec![0.3, 0.5, 0.2, 0.1, 0.1, 0.05]).unwrap();
         problem
@@ -209,7 +209,7 @@ mod tests {
 
     /// Load friction, springs, a lag and torque constants.
     fn expected(problem: &DesignProblem) -> ExpectedEffects {
-        let friction = DriveParameters::of(&[(crate::model::term::LOAD_FRICTION, 0.05)]);
+        let friction = DriveParameters::from_iter([(crate::model::term::LOAD_FRICTION, 0.05)]);
         let ratings = problem.robot().joints().iter().map(|joint| 2e-3 / joint.limits.torque);
         let compliance = DMatrix::from_diagonal(&nalgebra::DVector::from_iterator(6, ratings));
         let laws = [

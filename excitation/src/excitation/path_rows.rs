@@ -11,7 +11,7 @@ use super::limits::WorstUse;
 use super::margins::Margins;
 use crate::linalg::dot;
 use crate::model::{Joint, Limits, Robot};
-use crate::optimiser::{LinearLimits, Row, RowSource, climb};
+use crate::optimiser::{CurvePoint, LinearLimits, Row, RowSource, climb};
 use crate::trajectory::{PeriodicTrajectory, Segment, Timeline};
 
 /// Grid points of a period for each variable of the joint with the most, and of the ramps as densely.
@@ -125,9 +125,9 @@ impl RowSource for PathRows {
             for sign in [1.0, -1.0] {
                 for part in peaks(&values, sign, NEAR * path.limit) {
                     let value = |part: f64| sign * dot(&self.row(path, part), x);
-                    let (part, found) = refine(value, part, 1.0 / (path.count - 1) as f64);
-                    if found - path.limit > self.tolerance * path.limit {
-                        let normal: Vec<f64> = self.row(path, part).iter().map(|entry| sign * entry).collect();
+                    let top = refine(value, part, 1.0 / (path.count - 1) as f64);
+                    if top.value - path.limit > self.tolerance * path.limit {
+                        let normal: Vec<f64> = self.row(path, top.place).iter().map(|entry| sign * entry).collect();
                         let now = dot(&normal, &self.center[range.clone()]);
                         rows.push(Row { start: range.start, normal, bound: path.limit - now });
                     }
@@ -148,10 +148,10 @@ fn peaks(values: &[f64], sign: f64, threshold: f64) -> impl Iterator<Item = f64>
     })
 }
 
-/// The top around a peak of a grid with this step, inside the segment: where it is and how large.
-fn refine(mut value: impl FnMut(f64) -> f64, part: f64, step: f64) -> (f64, f64) {
-    let from = (part, value(part));
-    climb(value, from, ((part - step).max(0.0), (part + step).min(1.0)), REFINED * step)
+/// The top around a peak of a grid with this step, inside the segment.
+fn refine(mut value: impl FnMut(f64) -> f64, part: f64, step: f64) -> CurvePoint {
+    let from = CurvePoint { place: part, value: value(part) };
+    climb(value, from, (part - step).max(0.0)..(part + step).min(1.0), REFINED * step)
 }
 
 /// The worst uses of one joint's acceleration and jerk limits on the ramps around a trajectory of any family; `None`
@@ -176,9 +176,9 @@ pub(crate) fn use_on_ramps(
             let values: Vec<f64> = (0..=count).map(|k| value(k as f64 / count as f64)).collect();
             for sign in [1.0, -1.0] {
                 for part in peaks(&values, sign, 0.0) {
-                    let (part, found) = refine(|part| sign * value(part), part, 1.0 / count as f64);
-                    let t = timeline.time_s(segment, part);
-                    let here = WorstUse { ratio: found / limit, joint, t, value: sign * found, limit: sign * limit };
+                    let top = refine(|part| sign * value(part), part, 1.0 / count as f64);
+                    let (t, value) = (timeline.time_s(segment, top.place), sign * top.value);
+                    let here = WorstUse { ratio: top.value / limit, joint, t, value, limit: sign * limit };
                     *worst = WorstUse::worst_of_both(*worst, Some(here));
                 }
             }

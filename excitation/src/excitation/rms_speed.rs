@@ -99,8 +99,7 @@ mod tests {
     fn identity_the_form_is_the_mean_square_of_the_motion_and_its_row_the_slope() {
         let robot = chains::crs_a460();
         let problem =
-            DesignProblem::new(robot.clone(), Columns::RIGID, CriterionKind::DOptimal, DesignLimits::of_motion())
-                .unwrap();
+            DesignProblem::new(robot.clone(), Columns::RIGID, CriterionKind::DOptimal, DesignLimits::motion()).unwrap();
         let motion: PeriodicTrajectory = radkhah2007_start(&robot, 10.0, 5, Seed::new(2), 1).unwrap().into();
         let x = problem.basis().coefficients(&motion).unwrap();
         let mut limit = RmsSpeed::new(&robot, problem.basis(), 200, 0.1);
@@ -123,7 +122,7 @@ mod tests {
     #[test]
     fn identity_a_design_keeps_its_rms_speed_and_uses_it() {
         let robot = chains::crs_a460();
-        let limits = DesignLimits::of_motion();
+        let limits = DesignLimits::motion();
         let make = |limits| {
             let mut problem =
                 DesignProblem::new(robot.clone(), Columns::RIGID, CriterionKind::DOptimal, limits).unwrap();

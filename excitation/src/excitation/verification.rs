@@ -173,7 +173,7 @@ fn is_certified(trajectory: &PeriodicTrajectory, timeline: Timeline, certificate
 /// Nothing may be beyond its limit.
 fn exceeded(robot: &Robot, worst: &WorstCases) -> Result<(), VerificationError> {
     for limit in LimitKind::ALL {
-        let Some(case) = worst.of(limit).filter(|worst| worst.ratio > 1.0 + ROUNDING) else { continue };
+        let Some(case) = worst.for_limit(limit).filter(|worst| worst.ratio > 1.0 + ROUNDING) else { continue };
         // Uses that are read off a certificate may name a joint that the robot does not have.
         let joint = robot.joints().get(case.joint).ok_or(VerificationError::Changed)?;
         return Err(VerificationError::Limit {
@@ -193,7 +193,7 @@ fn exceeded(robot: &Robot, worst: &WorstCases) -> Result<(), VerificationError> 
 /// limits of motion may be others than those it was designed for, as long as they hold.
 fn same(stated: &WorstLimitUse, found: &WorstLimitUse) -> Result<(), VerificationError> {
     for limit in LimitKind::EFFORTS {
-        let (stated, found) = (stated.of(limit), found.of(limit));
+        let (stated, found) = (stated.for_limit(limit), found.for_limit(limit));
         let agree = match (stated, found) {
             (Some(stated), Some(found)) => (stated - found).abs() <= AGREEMENT * found.abs().max(1.0),
             (stated, found) => stated == found,
@@ -228,19 +228,19 @@ mod tests {
     fn swing() -> (DesignProblem, PeriodicTrajectory, Certificate) {
         let robot = planar_2r().with_joints(|joint| joint.limits.torque = 0.94 * LEVEL).unwrap();
         let mut problem =
-            DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, DesignLimits::of_motion()).unwrap();
+            DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, DesignLimits::motion()).unwrap();
         let mut nominal = StandardParameters::zero(2);
         nominal.links[0] = Inertia::from_array(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let omega = (0.3 * LEVEL / (0.16 * 0.5_f64)).sqrt();
         let period_s = std::f64::consts::TAU / omega;
         problem.set_space(DesignSpace::new(Family::Fourier, period_s, vec![5; 2])).unwrap();
         let (nominal, ramp_s) = (Some(nominal), Some(0.2 * period_s));
-        problem.set_limits(DesignLimits { nominal, ramp_s, ..DesignLimits::of_motion() }).unwrap();
+        problem.set_limits(DesignLimits { nominal, ramp_s, ..DesignLimits::motion() }).unwrap();
         problem.set_budget(DesignBudget { certificate_samples: 500, ..DesignBudget::default() }).unwrap();
         let joint = |name: &str, b: f64, q0: f64| FourierJoint { name: name.into(), a: vec![0.0], b: vec![b], q0 };
         let joints = vec![joint("shoulder", 0.5 * omega, -0.5), joint("elbow", 0.0, 0.0)];
         let motion = FourierTrajectory::new(period_s, joints).unwrap().into();
-        let certificate = Certificate::of(&problem, &motion).unwrap();
+        let certificate = Certificate::new(&problem, &motion).unwrap();
         (problem, motion, certificate)
     }
 

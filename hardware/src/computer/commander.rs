@@ -179,7 +179,7 @@ impl Commander {
         }
         let spline = self.enter(spline, t - start_s)?;
         let mut first = vec![0.0; self.q.len()];
-        spline.at((t - start_s).max(0.0), &mut first, &mut vec![0.0; self.q.len()]);
+        spline.evaluate((t - start_s).max(0.0), &mut first, &mut vec![0.0; self.q.len()]);
         let offset = self.q.iter().zip(&first).map(|(q, first)| q - first).collect();
         self.doing = Activity::Follow(Box::new(Follow { spline, start_s, offset, brake: None, next: None }));
         self.outcome = None;
@@ -195,7 +195,7 @@ impl Commander {
             return entered.map_err(|unfit| unfit.reason);
         }
         let mut q = vec![0.0; self.q.len()];
-        spline.at(now.max(0.0), &mut q, &mut vec![0.0; self.q.len()]);
+        spline.evaluate(now.max(0.0), &mut q, &mut vec![0.0; self.q.len()]);
         let tolerance = self.start_tolerance;
         match (0..q.len()).find(|&j| (q[j] - self.q[j]).abs() > tolerance) {
             None => Ok(spline),
@@ -357,8 +357,8 @@ impl Follow {
             _ => now,
         };
         let mut qd = vec![0.0; q.len()];
-        self.spline.at(on_path.clamp(0.0, self.spline.duration_s()), q, &mut qd);
-        let fade = 1.0 - QuinticStep::at(on_path / FADE_S).value;
+        self.spline.evaluate(on_path.clamp(0.0, self.spline.duration_s()), q, &mut qd);
+        let fade = 1.0 - QuinticStep::evaluate(on_path / FADE_S).value;
         for (q, offset) in q.iter_mut().zip(&self.offset) {
             *q += fade * offset;
         }

@@ -75,8 +75,10 @@ impl<P: Plant> RobotController<P> {
         nominal: &StandardParameters,
         plant: P,
         sensing: &Sensing,
-        (seed, run): (Seed, u64),
-        (state_hz, epoch_ns): (f64, i64),
+        seed: Seed,
+        run: u64,
+        state_hz: f64,
+        epoch_ns: i64,
     ) -> Result<Self, RobotControllerError> {
         let joints = JointLoop::new(robot, nominal, sensing, seed, run)?;
         let found = plant.dof();

@@ -80,7 +80,7 @@ impl Spline {
     fn check(&self, limits: &[JointLimits]) -> Result<(), Unfit> {
         let (mut q, mut qd) = (vec![0.0; limits.len()], vec![0.0; limits.len()]);
         let mut look = |t: f64| {
-            self.at(t, &mut q, &mut qd);
+            self.evaluate(t, &mut q, &mut qd);
             for (j, joint) in limits.iter().enumerate() {
                 let (low, high) = joint.position;
                 let broken = if q[j] < low - SLACK || q[j] > high + SLACK {
@@ -128,7 +128,7 @@ impl Spline {
     }
 
     /// Position and velocity at `t` s after its beginning; at rest before its first and after its last point.
-    pub fn at(&self, t: f64, q: &mut [f64], qd: &mut [f64]) {
+    pub fn evaluate(&self, t: f64, q: &mut [f64], qd: &mut [f64]) {
         let after = self.knots.partition_point(|knot| knot.t <= t);
         if after == 0 || after == self.knots.len() {
             let knot = &self.knots[after.saturating_sub(1)];
@@ -209,14 +209,14 @@ mod tests {
             let mut worst: f64 = 0.0;
             for k in 0..4000 {
                 let t = f64::from(k) * 1e-3;
-                spline.at(t, &mut q, &mut qd);
+                spline.evaluate(t, &mut q, &mut qd);
                 worst = worst.max((q[0] - 0.5 * (2.0 * t).sin()).abs());
                 assert!((q[1] - 0.5 * q[0]).abs() < 1e-15);
                 // The velocity is the derivative of the position.
                 let (mut low, mut high) = ([0.0; 2], [0.0; 2]);
                 if degree > 1 && t > 1e-3 {
-                    spline.at(t - 1e-6, &mut low, &mut [0.0; 2]);
-                    spline.at(t + 1e-6, &mut high, &mut [0.0; 2]);
+                    spline.evaluate(t - 1e-6, &mut low, &mut [0.0; 2]);
+                    spline.evaluate(t + 1e-6, &mut high, &mut [0.0; 2]);
                     assert!(((high[0] - low[0]) / 2e-6 - qd[0]).abs() < 1e-5, "{t}");
                 }
             }
@@ -257,9 +257,9 @@ mod tests {
     fn it_rests_before_and_after() {
         let spline = Spline::new(&trajectory(5, 0.1), &map(), &limits()).unwrap();
         let (mut q, mut qd) = ([0.0; 2], [0.0; 2]);
-        spline.at(9.0, &mut q, &mut qd);
+        spline.evaluate(9.0, &mut q, &mut qd);
         assert!((q[0] - 0.5 * 8.0_f64.sin()).abs() < 1e-12 && qd == [0.0; 2]);
-        spline.at(-1.0, &mut q, &mut qd);
+        spline.evaluate(-1.0, &mut q, &mut qd);
         assert_eq!((q, qd), ([0.0; 2], [0.0; 2]));
     }
 }

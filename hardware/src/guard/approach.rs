@@ -61,7 +61,7 @@ impl Approach {
 
     /// Position, velocity and acceleration at time `t` (s), n each; at rest before and after.
     pub fn evaluate(&self, t: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
-        let step = QuinticStep::at(t / self.duration_s);
+        let step = QuinticStep::evaluate(t / self.duration_s);
         for j in 0..q.len() {
             let way = self.to[j] - self.from[j];
             q[j] = self.from[j] + way * step.value;

@@ -17,12 +17,12 @@ impl Confirmation {
         )
     }
 
-    /// By typing the robot's name.
+    /// The confirmation by typing the robot's name.
     pub fn typed(robot: &str, answer: &str) -> Option<Self> {
         (answer.trim() == robot).then_some(Self { how: "confirmed by typing the robot's name" })
     }
 
-    /// By the option `--yes-the-estop-works`.
+    /// The confirmation by the option `--yes-the-estop-works`.
     pub const fn on_the_command_line() -> Self {
         Self { how: "confirmed on the command line" }
     }

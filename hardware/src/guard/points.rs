@@ -90,7 +90,7 @@ mod tests {
         let position = robot.poses(&[0.0; 2])[1].translation;
         let tip = NamedPoint { name: "tip".to_owned(), link: 2, position };
         let foot = NamedPoint { name: "foot".to_owned(), link: 0, position };
-        let found = turning(&robot.changed(|spec| spec.points = vec![foot, tip]).unwrap());
+        let found = turning(&robot.with_spec(|spec| spec.points = vec![foot, tip]).unwrap());
         assert!(found.point == "tip" && (found.speed - 4.0 * radius).abs() < 4e-5, "{found:?} {radius}");
     }
 }

@@ -90,7 +90,7 @@ impl<'a> Run<'a> {
             _ => t,
         };
         let [q, qd, qdd] = &mut self.state;
-        self.motion.at(t.clamp(0.0, self.motion.duration_s()), q, qd, qdd);
+        self.motion.evaluate(t.clamp(0.0, self.motion.duration_s()), q, qd, qdd);
         q
     }
 

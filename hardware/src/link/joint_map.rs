@@ -45,7 +45,7 @@ impl JointMap {
         Ok(Self { names, others: settings.other_joints.clone(), open: false, last: None })
     }
 
-    /// From now on joints that nobody named are passed over: a gripper that starts later is no other robot.
+    /// Passes over joints that nobody named from now on: a gripper that starts later is no other robot.
     pub fn pass_over_others(&mut self) {
         self.open = true;
     }

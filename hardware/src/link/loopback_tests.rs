@@ -53,7 +53,6 @@ impl Robotics {
         let plan = plan(&robot);
         let layout = plan.layout().unwrap();
         armid::experiment::Command::new(&plan, &layout).start(&mut start);
-        let seed = (Seed::new(1), 0);
         // A machine that builds and tests at the same time is no robot controller: the watchdog is patient here.
         let watchdog = Watchdog { hold_s: 1.0, disable_s: 2.0 };
         let mut controller = RobotController::new(
@@ -61,8 +60,10 @@ impl Robotics {
             &nominal(),
             FlyWheels(start, [0.0; 2]),
             &Sensing::ideal(),
-            seed,
-            (500.0, 1_000_000_000_000),
+            Seed::new(1),
+            0,
+            500.0,
+            1_000_000_000_000,
         )
         .unwrap()
         .with_watchdog(watchdog);

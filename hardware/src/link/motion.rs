@@ -11,7 +11,7 @@ pub trait Motion {
     fn duration_s(&self) -> f64;
 
     /// Position, velocity and acceleration at time `t` after its beginning, n each; at rest before and after it.
-    fn at(&self, t: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]);
+    fn evaluate(&self, t: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]);
 }
 
 /// The motion of an experiment.
@@ -38,7 +38,7 @@ impl Motion for PlanMotion<'_> {
         self.duration_s
     }
 
-    fn at(&self, t: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
+    fn evaluate(&self, t: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
         self.command.evaluate(t, q, qd, qdd);
     }
 }

@@ -68,7 +68,7 @@ fn point(motion: &dyn Motion, t: f64) -> Result<TrajectoryPoint, CdrError> {
     let time_from_start = Time::from_s(t)?;
     let zero = vec![0.0; motion.dof()];
     let (mut positions, mut velocities, mut accelerations) = (zero.clone(), zero.clone(), zero);
-    motion.at(time_from_start.seconds(), &mut positions, &mut velocities, &mut accelerations);
+    motion.evaluate(time_from_start.seconds(), &mut positions, &mut velocities, &mut accelerations);
     Ok(TrajectoryPoint { positions, velocities, accelerations, effort: Vec::new(), time_from_start })
 }
 
@@ -132,7 +132,7 @@ fn tail_point(motion: &dyn Motion, from_s: f64, span_s: f64, u: f64) -> Result<T
     let mut point = TrajectoryPoint { time_from_start, ..Default::default() };
     let zero = vec![0.0; motion.dof()];
     (point.positions, point.velocities, point.accelerations) = (zero.clone(), zero.clone(), zero);
-    motion.at(on_path, &mut point.positions, &mut point.velocities, &mut point.accelerations);
+    motion.evaluate(on_path, &mut point.positions, &mut point.velocities, &mut point.accelerations);
     for j in 0..motion.dof() {
         let (qd, qdd) = (point.velocities[j], point.accelerations[j]);
         point.velocities[j] = if rests { 0.0 } else { qd * rate };
@@ -174,7 +174,7 @@ mod tests {
         fn duration_s(&self) -> f64 {
             self.duration_s
         }
-        fn at(&self, t: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
+        fn evaluate(&self, t: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
             let w = self.omega;
             for (j, size) in [0.4, -0.2].into_iter().enumerate() {
                 q[j] = size * (w * t).sin();
@@ -233,7 +233,7 @@ mod tests {
                 let (mut q, mut qd, mut before) = ([0.0; 2], [0.0; 2], None::<[f64; 2]>);
                 let dt = 1e-3;
                 for step in 0..((piece.rest_s - piece.full_until_s) / dt) as usize {
-                    follow.at(piece.full_until_s + step as f64 * dt, &mut q, &mut qd);
+                    follow.evaluate(piece.full_until_s + step as f64 * dt, &mut q, &mut qd);
                     // Both joints move on one path: the second is −½ of the first.
                     assert!((q[1] + 0.5 * q[0]).abs() < 1e-9, "{q:?}");
                     for j in 0..2 {
@@ -263,8 +263,8 @@ mod tests {
             let (mut q, mut exact) = ([0.0; 2], [0.0; 2]);
             for step in 0..((piece.full_until_s - now_s) * 1e3) as usize {
                 let t = now_s + step as f64 * 1e-3;
-                follow.at(t, &mut q, &mut [0.0; 2]);
-                motion.at(t, &mut exact, &mut [0.0; 2], &mut [0.0; 2]);
+                follow.evaluate(t, &mut q, &mut [0.0; 2]);
+                motion.evaluate(t, &mut exact, &mut [0.0; 2], &mut [0.0; 2]);
                 assert!((q[0] - exact[0]).abs() <= bound, "{t}: {} {}", q[0], exact[0]);
             }
         }

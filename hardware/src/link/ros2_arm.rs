@@ -299,7 +299,7 @@ impl Ros2Arm {
 
     /// What a recording of a plan begins with.
     pub(crate) fn recording(&self, plan: &ExperimentPlan, layout: &Layout) -> Recording {
-        Recording::begun(&self.robot, &self.robot_text, plan, layout, None)
+        Recording::empty(&self.robot, &self.robot_text, plan, layout, None)
     }
 }
 

@@ -9,7 +9,7 @@ use crate::error::Error;
 /// What brings log and robot together.
 pub(super) fn help() -> Remedy {
     let help = Remedy::task(Task::Robot, "ROBOT").say(" shows the joints of the robot, ").setting(Setting::Robot);
-    let help = help.say(" names another; ").to(Setting::Map, "q=…, tau=…");
+    let help = help.say(" names another; ").assign(Setting::Map, "q=…, tau=…");
     help.say(" says which columns of a table, or which joints of joint states, they are")
 }
 

@@ -93,7 +93,7 @@ mod tests {
 
     #[test]
     fn identity_power_at_the_motors_is_power_at_the_joints_of_a_coupled_wrist() {
-        let robot = robot::named("staubli-tx40").unwrap().robot;
+        let robot = robot::find("staubli-tx40").unwrap().robot;
         let row = |x: f64| (1..=6).map(|k| (x * f64::from(k)).to_string()).collect::<Vec<_>>().join(",");
         let names = |prefix: &str| (1..=6).map(|k| format!("{prefix}{k}")).collect::<Vec<_>>().join(",");
         let text = format!("t,{},{},{}\n", names("q"), names("qd"), names("tau"))

@@ -147,12 +147,12 @@ impl Plan {
     /// The joints that a mapping names.
     fn of_mapping(name: &str, mapping: &Mapping, found: &BTreeSet<&str>) -> Result<Self, Error> {
         let of = |quantity: Quantity| -> Result<Option<Column>, Error> {
-            let Some(map) = mapping.of(quantity) else { return Ok(None) };
+            let Some(map) = mapping.columns(quantity) else { return Ok(None) };
             let key = quantity.key();
             let help = || {
                 let map = "q=joint[1-6] deg, tau=joint[1-6] motor gear=100";
                 Remedy::from("joints named as in the robot need no map; another map of joint states names joints: ")
-                    .to(Setting::Map, map)
+                    .assign(Setting::Map, map)
             };
             let is_effort = quantity.is_effort();
             let is_known = |joint: &str| found.contains(joint) || (is_effort && joint == NONE);
@@ -169,12 +169,12 @@ impl Plan {
             }
             Ok(Some(Column { map: map.clone(), joints }))
         };
-        if mapping.of(Quantity::Time).is_some() {
+        if mapping.columns(Quantity::Time).is_some() {
             let message =
                 format!("t: the times of {name} are the stamps of its messages, expected none in the mapping");
             return Err(Error::mismatch(message).help("leave out t; joints named as in the robot need no map at all"));
         }
-        if mapping.of(Quantity::Command).is_some() {
+        if mapping.columns(Quantity::Command).is_some() {
             let message = format!("q_cmd: {name} holds joint states, which have no commands, expected tau or current");
             let help = "write positions and commands into one table, whose map may have q_cmd";
             return Err(Error::mismatch(message).help(help));

@@ -123,7 +123,7 @@ fn by_mapping(tables: &[LogTable], mapping: &Mapping, has_rate: bool) -> Result<
     }
     // Stamps that the format itself states need not be named.
     let stated = tables.iter().enumerate().find_map(|(k, table)| Some((k, table, table.columns()?.time?)));
-    if let Some((k, table, time)) = stated.filter(|_| !has_rate && mapping.of(Quantity::Time).is_none())
+    if let Some((k, table, time)) = stated.filter(|_| !has_rate && mapping.columns(Quantity::Time).is_none())
         && let Some(columns) = columns(table, &[time.to_owned()])
     {
         let (quantity, map) = (Quantity::Time, ColumnMap::new(Quantity::Time, time));
@@ -182,7 +182,7 @@ fn with_unit(tables: &[LogTable], mut found: Found) -> Found {
     let table = &tables[found.table];
     let (units, first) = (found.quantity.units(), found.columns.iter().flatten().next());
     let of_file = || first.and_then(|&column| Unit::parse(table.columns()?.unit(column)?, units));
-    let of_heading = || first.and_then(|&column| Unit::of_heading(&table.names()[column], units).map(|(unit, _)| unit));
+    let of_heading = || first.and_then(|&column| Unit::in_heading(&table.names()[column], units).map(|(unit, _)| unit));
     let said = found.map.unit.or_else(of_file).or_else(of_heading);
     found.unit = said.filter(|unit| *unit != Unit::Percent || found.map.rated.is_some()).unwrap_or(units[0]);
     found
@@ -199,7 +199,7 @@ fn by_headings(tables: &[LogTable], has_rate: bool) -> Result<Vec<Found>, Error>
             let headings = rows.names();
             let names: Vec<&str> = headings
                 .iter()
-                .map(|heading| Unit::of_heading(heading, quantity.units()).map_or(heading.as_str(), |(_, front)| front))
+                .map(|heading| Unit::in_heading(heading, quantity.units()).map_or(heading.as_str(), |(_, front)| front))
                 .collect();
             let at = |name: &str| names.iter().position(|found| found.eq_ignore_ascii_case(name));
             let columns = quantity.names().iter().find_map(|prefix| {
@@ -231,9 +231,9 @@ fn by_headings(tables: &[LogTable], has_rate: bool) -> Result<Vec<Found>, Error>
             Remedy::from(EXPECTED)
                 .setting(Setting::Map)
                 .say(", which says what other headings mean: ")
-                .to(Setting::Map, "t=time_ms, q=joint_[1-6]_pos deg, current=i_[1-6] mA")
+                .assign(Setting::Map, "t=time_ms, q=joint_[1-6]_pos deg, current=i_[1-6] mA")
                 .say(", of files side by side ")
-                .to(Setting::Map, "t=time_ms, q=pos:joint_[1-6] deg, current=cur:i_[1-6] mA")
+                .assign(Setting::Map, "t=time_ms, q=pos:joint_[1-6] deg, current=cur:i_[1-6] mA")
                 .say(near.unwrap_or_default())
         };
         let help = first.columns().and_then(|table| table.lacking).map_or_else(help, Remedy::from);
@@ -241,9 +241,9 @@ fn by_headings(tables: &[LogTable], has_rate: bool) -> Result<Vec<Found>, Error>
     };
     if !first.has_headings() {
         let message = format!("{} columns without headings, expected headings or a mapping", first.width());
-        return Err(first
-            .heading_fault(&message)
-            .help(Remedy::from("state what the columns are: ").to(Setting::Map, "t=#1, q=#[2-7] deg, tau=#[8-13]")));
+        return Err(first.heading_fault(&message).help(
+            Remedy::from("state what the columns are: ").assign(Setting::Map, "t=#1, q=#[2-7] deg, tau=#[8-13]"),
+        ));
     }
     let has = |quantity| all.iter().find(|found: &&Found| found.quantity == quantity);
     if has(Quantity::Time).is_none() && !has_rate {
@@ -310,7 +310,7 @@ impl Reader<'_> {
             (None, None) => {
                 let message = format!("{} has no column of times", self.tables[0].name());
                 return Err(
-                    Error::new(message).help(Remedy::from("state the rows per second: ").to(Setting::Rate, "HZ"))
+                    Error::new(message).help(Remedy::from("state the rows per second: ").assign(Setting::Rate, "HZ"))
                 );
             }
             (None, Some(time)) => self.values(time, 1)?,

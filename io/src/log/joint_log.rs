@@ -101,7 +101,7 @@ impl Log {
         let name = self.name;
         self.recording.ok_or_else(|| {
             Error::new(format!("{name} was not recorded by armid, expected a recording with its plan"))
-                .help(Remedy::task(Task::Run, "EXPERIMENT").with(Setting::Output, "R.mcap").say(" makes one"))
+                .help(Remedy::task(Task::Run, "EXPERIMENT").option(Setting::Output, "R.mcap").say(" makes one"))
         })
     }
 }

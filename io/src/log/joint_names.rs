@@ -42,7 +42,7 @@ pub(super) fn names_in_log(
             );
             let names = names.join("/");
             let help = Remedy::from(format!("those with {prefix} are chosen by "))
-                .to(Setting::Map, format!("q={names}, tau={names}"));
+                .assign(Setting::Map, format!("q={names}, tau={names}"));
             Err(Error::mismatch(message).help(help))
         }
         None => {
@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn joints_are_found_by_their_names_or_behind_one_prefix() {
-        let robot = robot::named("planar-2r").unwrap().robot;
+        let robot = robot::find("planar-2r").unwrap().robot;
         let joints: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
         let of = |prefixes: &[&str]| {
             let names: Vec<String> =

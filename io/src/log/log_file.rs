@@ -72,7 +72,7 @@ impl LogFile {
         let document: Document = toml::from_str(&text.content).map_err(|error| Error::of_toml(text, &error))?;
         let table = document.log;
         if table.files.as_ref().is_empty() {
-            return Err(Error::new("files is empty, expected at least one").at(text, table.files.span(), "here"));
+            return Err(Error::new("files is empty, expected at least one").at_span(text, table.files.span(), "here"));
         }
         let values = [&table.t, &table.q, &table.qd, &table.current, &table.tau, &table.q_link, &table.q_cmd];
         let entries: Vec<(&str, &str)> = Quantity::ALL
@@ -92,7 +92,7 @@ impl LogFile {
                 });
                 let place = at.filter(|(_, line)| line.trim_start().split('=').next().is_some_and(|k| k.trim() == key));
                 let span = place.last().map_or(0..0, |(start, line)| start..start + line.len());
-                Error::new(fault).at(text, span, "here")
+                Error::new(fault).at_span(text, span, "here")
             })?;
             let said = entries.iter().map(|(key, value)| format!("{key}={value}")).collect::<Vec<_>>().join(", ");
             (Some(mapping), Some(said))

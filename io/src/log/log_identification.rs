@@ -228,7 +228,7 @@ impl ProcessedLog {
         match error {
             EstimationError::Interrupted => Error::interrupted(&self.name()),
             EstimationError::NotExcited { .. } => {
-                let help = Remedy::task(Task::Reduce, "ROBOT").with(Setting::Trajectory, "T.toml");
+                let help = Remedy::task(Task::Reduce, "ROBOT").option(Setting::Trajectory, "T.toml");
                 let help = help.say(" shows what a motion reveals; ").perform(Task::Design, "");
                 shown.help(help.say(" finds one that reveals all"))
             }

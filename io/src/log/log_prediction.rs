@@ -12,6 +12,15 @@ use armid::signal::Samples;
 use super::processed_log::ProcessedLog;
 use crate::error::Error;
 
+/// Torque that a model leaves unexplained in a log.
+#[derive(Clone, Debug)]
+pub struct LogResidual {
+    /// In the part of the fit.
+    pub used: TorqueResidual,
+    /// In the part that is held out, where there is one.
+    pub held_out: Option<TorqueResidual>,
+}
+
 /// An error of an estimate or of a model that is called `name`.
 fn named(name: &str) -> impl Fn(EstimationError) -> Error {
     move |error| Error::mismatch(format!("{name}: {error}"))
@@ -46,12 +55,11 @@ impl ProcessedLog {
         Validation::of_model(model, &self.samples).map_err(named(name))
     }
 
-    /// How much of the measured torque an estimate leaves unexplained, at the bandwidth of the settings: in what is used,
-    /// and in what is held out where anything is.
+    /// The measured torque that an estimate leaves unexplained, at the bandwidth of the settings.
     ///
     /// # Errors
     /// As [`Self::validate`].
-    pub fn residual(&self, estimate: &Estimate, name: &str) -> Result<(TorqueResidual, Option<TorqueResidual>), Error> {
+    pub fn residual(&self, estimate: &Estimate, name: &str) -> Result<LogResidual, Error> {
         let (regressor, hz) = (self.regressor_of(estimate, name)?, self.settings.bandwidth_hz);
         self.in_both(|parts| TorqueResidual::new(estimate, &regressor, parts, hz).map_err(named(name)))
     }
@@ -60,18 +68,13 @@ impl ProcessedLog {
     ///
     /// # Errors
     /// [`Error`] where it is of another arm.
-    pub fn model_residual(
-        &self,
-        model: &Model<'_>,
-        name: &str,
-    ) -> Result<(TorqueResidual, Option<TorqueResidual>), Error> {
+    pub fn model_residual(&self, model: &Model<'_>, name: &str) -> Result<LogResidual, Error> {
         self.in_both(|parts| TorqueResidual::of_model(model, parts, self.settings.bandwidth_hz).map_err(named(name)))
     }
 
-    /// Of what is used, and of what is held out where anything is.
-    fn in_both<T>(&self, of: impl Fn(&[Samples]) -> Result<T, Error>) -> Result<(T, Option<T>), Error> {
+    fn in_both(&self, of: impl Fn(&[Samples]) -> Result<TorqueResidual, Error>) -> Result<LogResidual, Error> {
         let held_out = if self.held_out.is_empty() { None } else { Some(of(&self.held_out)?) };
-        Ok((of(&self.parts)?, held_out))
+        Ok(LogResidual { used: of(&self.parts)?, held_out })
     }
 
     /// Measured and predicted torque of each log, and of what is held out, below the bandwidth of the settings.
@@ -151,7 +154,7 @@ impl ProcessedLog {
         let robot = &self.robot.robot;
         if estimate.robot != robot.name() {
             let message = format!("{name} is of robot \"{}\", expected \"{}\"", estimate.robot, robot.name());
-            let help = Remedy::task(Task::Identify, "LOG").with(Setting::Output, "E.json");
+            let help = Remedy::task(Task::Identify, "LOG").option(Setting::Output, "E.json");
             return Err(Error::mismatch(message).help(help.say(" makes an estimate of this robot")));
         }
         Columns::parse(&estimate.columns).ok_or_else(|| {

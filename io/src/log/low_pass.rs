@@ -16,7 +16,7 @@ pub(super) fn below_nyquist(error: &SignalError, log: &Log) -> Option<Remedy> {
     let help = Remedy::set(Setting::CutoffHz, wanted.to_string());
     let help = help.say(format!(" is one that a log of {rate_hz} Hz allows"));
     Some(if log.rate_hz < 5.0 {
-        help.say("; are the stamps milliseconds? then ").to(Setting::Map, "t=… ms, …").say(" says so")
+        help.say("; are the stamps milliseconds? then ").assign(Setting::Map, "t=… ms, …").say(" says so")
     } else {
         help
     })

@@ -44,7 +44,7 @@ pub(super) fn log(path: &Path, mut contents: Contents, reading: &StateReading<'_
     if contents.states.is_empty() {
         let message =
             format!("{name} holds no message of type {} on {STATES}, expected one per sample", JointState::NAME);
-        let help = Remedy::task(Task::Run, "EXPERIMENT").with(Setting::Output, "R.mcap");
+        let help = Remedy::task(Task::Run, "EXPERIMENT").option(Setting::Output, "R.mcap");
         return Err(Error::new(message).help(help.say(" or `ros2 bag record /joint_states` records them")));
     }
     let whole = contents.whole;

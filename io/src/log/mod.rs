@@ -71,6 +71,7 @@ pub use foreign_csv::parse as parse_tables;
 pub use gaps::Gaps;
 pub use joint_log::{Log, RecordedRobot, Segment};
 pub use log_file::LogFile;
+pub use log_prediction::LogResidual;
 pub use log_report::LogReport;
 pub use mapping::{ColumnMap, Mapping, Quantity, Unit};
 pub use mcap::parse as parse_mcap;

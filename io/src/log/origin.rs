@@ -97,7 +97,7 @@ impl Origin {
 
     /// The mapping of commands, where the torques are those of servos.
     pub(super) fn commands(&self) -> Option<&ColumnMap> {
-        self.read_as.as_ref()?.mapping.of(Quantity::Command)
+        self.read_as.as_ref()?.mapping.columns(Quantity::Command)
     }
 
     /// Sentences about what was found in the log; none where all was well.

@@ -15,7 +15,7 @@ const PERIODS_FOR_ONE: usize = 5;
 
 /// What there is to do about a period that does not fit.
 fn no_period() -> Remedy {
-    Remedy::from("with ").to(Setting::Period, "none").say(" the log is taken as a motion without periods")
+    Remedy::from("with ").assign(Setting::Period, "none").say(" the log is taken as a motion without periods")
 }
 
 /// Samples of the periods of a part of a log that are used, and of those that are held out, a `share` of them.

@@ -42,7 +42,7 @@ impl ProcessedLog {
     ///
     /// # Errors
     /// [`Error`] where they are of unlike robots, rates or blocks, or there are none.
-    pub fn joined(logs: Vec<Self>) -> Result<Self, Error> {
+    pub fn join(logs: Vec<Self>) -> Result<Self, Error> {
         let mut logs = logs.into_iter();
         let mut all = logs.next().ok_or_else(|| Error::new("no log is named, expected at least one"))?;
         for log in logs {
@@ -58,7 +58,7 @@ impl ProcessedLog {
             all.logs.extend(log.logs);
         }
         all.samples =
-            Samples::joined(all.parts.clone()).map_err(|error| Error::mismatch(format!("{}: {error}", all.name())))?;
+            Samples::join(all.parts.clone()).map_err(|error| Error::mismatch(format!("{}: {error}", all.name())))?;
         Ok(all)
     }
 
@@ -77,7 +77,7 @@ impl ProcessedLog {
         self.robot.robot.joints().iter().map(|joint| joint.name.clone()).collect()
     }
 
-    /// By what the efforts of these logs became torques, n: torque constants of a mapping or of the robot, or the stiffness of servos.
+    /// The factors by which the efforts of these logs became torques, n: torque constants of a mapping or of the robot, or the stiffness of servos.
     ///
     /// # Errors
     /// [`Error`] where a log holds torques, or those of servos with damping, or the logs state unlike constants.
@@ -98,8 +98,9 @@ impl ProcessedLog {
                     let message =
                         format!("{} holds torques, expected motor currents: torques have no torque constant", log.name);
                     let help =
-                        Remedy::from("name the columns of the currents: ").to(Setting::Map, "…, current=i_[1-6]");
-                    let help = help.say(", or say that the efforts are currents by ").to(Setting::Effort, "current");
+                        Remedy::from("name the columns of the currents: ").assign(Setting::Map, "…, current=i_[1-6]");
+                    let help =
+                        help.say(", or say that the efforts are currents by ").assign(Setting::Effort, "current");
                     return Err(Error::mismatch(message).help(help));
                 }
             };
@@ -153,21 +154,21 @@ impl ProcessedLog {
         }
         let found = PositionServo { unknown: Vec::new(), ..stated.clone().with_unknown(&values) };
         for samples in self.parts.iter_mut().chain(&mut self.held_out) {
-            *samples = stated.restated(samples, &found);
+            *samples = stated.restated_samples(samples, &found);
         }
-        self.samples = Samples::joined(self.parts.clone())
-            .map_err(|error| Error::mismatch(format!("{}: {error}", self.name())))?;
+        self.samples =
+            Samples::join(self.parts.clone()).map_err(|error| Error::mismatch(format!("{}: {error}", self.name())))?;
         for log in &mut self.logs {
             log.servo = Some(found.clone());
         }
         Ok(())
     }
 
-    /// The same logs by the servos that an estimate found.
+    /// These logs with the servos that an estimate found.
     ///
     /// # Errors
     /// As [`Self::take_servo`]; where numbers are unknown that the estimate does not hold.
-    pub fn by_servo_of(&self, estimate: &Estimate, name: &str) -> Result<Cow<'_, Self>, Error> {
+    pub fn with_servo_of(&self, estimate: &Estimate, name: &str) -> Result<Cow<'_, Self>, Error> {
         if self.logs.iter().all(|log| log.servo.as_ref().is_none_or(|of| of.unknown.is_empty())) {
             return Ok(Cow::Borrowed(self));
         }

@@ -72,7 +72,7 @@ impl Log {
 /// without periods pass the highest of the cut-offs that are found in them.
 ///
 /// # Errors
-/// As [`Log::process`] and [`ProcessedLog::joined`].
+/// As [`Log::process`] and [`ProcessedLog::join`].
 pub fn process_all(logs: Vec<Log>, robot: &LoadedRobot, settings: &LogSettings) -> Result<ProcessedLog, Error> {
     let foreign = |log: &&Log| log.recording.is_none();
     let lowest = logs.iter().filter(foreign).map(|log| log.rate_hz).fold(f64::INFINITY, f64::min);
@@ -91,7 +91,7 @@ pub fn process_all(logs: Vec<Log>, robot: &LoadedRobot, settings: &LogSettings) 
     };
     let joined = |mut processed: Vec<ProcessedLog>| {
         share_rests(&mut processed, robot.robot.dof());
-        ProcessedLog::joined(processed)
+        ProcessedLog::join(processed)
     };
     if alike.len() == 1 || settings.processing.cutoff_hz.is_some() {
         return joined(process(alike, None)?);

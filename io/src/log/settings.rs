@@ -76,7 +76,7 @@ impl Default for LogSettings {
 }
 
 impl LogSettings {
-    /// For a log of a motion that repeats itself every `period_s` seconds.
+    /// The settings for a log of a motion that repeats itself every `period_s` seconds.
     pub fn periodic(period_s: f64) -> Self {
         Self { period_s: Some(period_s), ..Self::default() }
     }

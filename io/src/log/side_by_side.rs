@@ -64,7 +64,7 @@ pub(super) fn several(mapping: &Mapping, paths: &[PathBuf]) -> Option<Remedy> {
         let own = renamed(mapping, |name| {
             names.iter().position(|known| *known == name).map_or_else(|| name.to_owned(), |at| starred[at].clone())
         });
-        help.say("\nor, for all of them: ").to(Setting::Map, own.text())
+        help.say("\nor, for all of them: ").assign(Setting::Map, own.text())
     } else {
         help
     })

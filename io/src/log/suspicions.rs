@@ -24,7 +24,7 @@ impl ProcessedLog {
         }
         // A log in which a joint rests or has no torque says too little of the others to find a mistake in it.
         let parts: Vec<Samples> = self.parts.iter().filter(|part| shows_every_joint(part)).cloned().collect();
-        let Ok(samples) = Samples::joined(parts) else { return Ok(Vec::new()) };
+        let Ok(samples) = Samples::join(parts) else { return Ok(Vec::new()) };
         let held_out = self.held_out.iter().find(|part| shows_every_joint(part));
         let log = Evidence { samples: &samples, held_out, nominal: self.robot.guess() };
         let found = diagnose(&self.robot.robot, columns, &log);

@@ -110,7 +110,7 @@ mod tests {
     }
 
     fn processed(name: &str, text: &str, settings: &LogSettings) -> Result<ProcessedLog, Error> {
-        parse_csv(Text::new("log.csv", text))?.process(robot::named(name)?, settings)
+        parse_csv(Text::new("log.csv", text))?.process(robot::find(name)?, settings)
     }
 
     /// What is done to each row of a log.
@@ -167,7 +167,7 @@ mod tests {
         let all_still: Change = Box::new(|_, row| row[..6].fill(0.3));
         let wild: Change = Box::new(|k, row| row[1] = if k == 333 { 1e26 } else { row[1] });
         let at_rest = |joints: &str| format!("log.csv: no joint moves ({joints} stand still in all samples)");
-        let a460 = robot::named("crs-a460").unwrap();
+        let a460 = robot::find("crs-a460").unwrap();
         let joints: Vec<&str> = a460.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
         for (name, n, change, words) in [
             ("planar-2r", 2, &still, at_rest("shoulder, elbow")),

@@ -69,7 +69,7 @@ pub(super) fn nothing_left(log: &Log, settings: &LogSettings) -> Error {
         log.segments.last().map_or(0.0, |last| last.start_s + last.samples.saturating_sub(1) as f64 / log.rate_hz);
     let asked = Remedy::set(Setting::From, settings.from_s.to_string());
     let asked = match settings.until_s {
-        Some(until) => asked.say(" ").to(Setting::Until, until.to_string()),
+        Some(until) => asked.say(" ").assign(Setting::Until, until.to_string()),
         None => asked,
     };
     let message = format!("{asked} leaves nothing of {}, which spans 0 to {end:.3} s", log.name);

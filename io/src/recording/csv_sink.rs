@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use armid::experiment::{Ending, Flow, RawSample, Recording, Sink};
 
-use super::{FileSink, check_free, part_of};
+use super::{FileSink, check_free, part_path};
 use crate::error::Error;
 use crate::log::write_csv;
 use crate::output;
@@ -62,7 +62,7 @@ impl FileSink for CsvSink<'_> {
             self.path.clone()
         } else {
             check_free(&self.path)?;
-            part_of(&self.path)
+            part_path(&self.path)
         };
         output::write_text(&path, &write_csv(recording))?;
         Ok(path)

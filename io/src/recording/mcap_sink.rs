@@ -26,7 +26,7 @@ use mcap::records::{MessageHeader, Metadata};
 
 use super::arm_view::{ArmView, Fault};
 use super::part::{create, create_draft};
-use super::{FileSink, part_of};
+use super::{FileSink, part_path};
 use crate::error::Error;
 use crate::output::{make_folder, name_file};
 
@@ -84,7 +84,7 @@ impl<'a> McapSink<'a> {
     pub fn new(path: &Path, notes: BTreeMap<String, String>, on_sample: impl FnMut(usize) + Send + 'a) -> Self {
         Self {
             path: path.to_path_buf(),
-            part: part_of(path),
+            part: part_path(path),
             draft: None,
             robot: None,
             notes,
@@ -103,7 +103,7 @@ impl<'a> McapSink<'a> {
 
     /// Returns this sink; its recording also shows the robot in viewers.
     #[must_use]
-    pub fn showing(self, robot: &'a Robot) -> Self {
+    pub fn with_robot(self, robot: &'a Robot) -> Self {
         Self { robot: Some(robot), ..self }
     }
 

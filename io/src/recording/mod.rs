@@ -18,6 +18,6 @@ pub use file_sink::FileSink;
 pub use mcap_sink::McapSink;
 pub(crate) use mcap_sink::{ENDING, LINKS, METADATA, STATES, VOLTAGE};
 pub use notes::Notes;
-pub use part::{check_at_rest, check_free, part_of};
-pub use sink_thread::beside;
+pub use part::{check_at_rest, check_free, part_path};
+pub use sink_thread::with_sink_thread;
 pub use torque_view::TorqueView;

@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::output::regular_file;
 
 /// `R.mcap.part` for `R.mcap`: what a file is called that is not whole.
-pub fn part_of(path: &Path) -> PathBuf {
+pub fn part_path(path: &Path) -> PathBuf {
     let mut part = path.as_os_str().to_owned();
     part.push(".part");
     part.into()
@@ -22,7 +22,7 @@ pub fn part_of(path: &Path) -> PathBuf {
 /// [`Error`] where its part, or something that is no file, is there.
 pub fn check_free(path: &Path) -> Result<(), Error> {
     let place = regular_file(path)?;
-    let part = part_of(&place);
+    let part = part_path(&place);
     match part.symlink_metadata() {
         Ok(_) => Err(taken(&part)),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
@@ -96,11 +96,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("R.mcap");
         assert!(check_free(&path).is_ok());
-        let file = create(&part_of(&path)).unwrap();
-        assert!(check_at_rest(&part_of(&path)).unwrap_err().to_string().contains("is being written by another"));
+        let file = create(&part_path(&path)).unwrap();
+        assert!(check_at_rest(&part_path(&path)).unwrap_err().to_string().contains("is being written by another"));
         drop(file);
-        check_at_rest(&part_of(&path)).unwrap();
-        for refused in [check_free(&path).unwrap_err(), create(&part_of(&path)).unwrap_err()] {
+        check_at_rest(&part_path(&path)).unwrap();
+        for refused in [check_free(&path).unwrap_err(), create(&part_path(&path)).unwrap_err()] {
             assert!(refused.to_string().contains("R.mcap.part is there"), "{refused}");
             assert!(refused.hint().unwrap().contains("resume"));
         }

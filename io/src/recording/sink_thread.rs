@@ -15,7 +15,7 @@ const BEHIND: usize = 1 << 16;
 ///
 /// Returns what `work` gave, and the error where `sink` panicked: the work was asked to stop then, like any other time, and what
 /// it has to say of the arm is not lost.
-pub fn beside<T>(
+pub fn with_sink_thread<T>(
     sink: &mut (impl Sink + Send + ?Sized),
     asked: fn() -> bool,
     work: impl FnOnce(&mut dyn Sink) -> T,
@@ -152,7 +152,7 @@ mod tests {
     fn a_disk_that_stands_still_holds_nobody_up_and_loses_nothing() {
         let (release, go) = channel();
         let mut disk = Disk { go, room: 500, indices: Vec::new() };
-        let ((), taken) = beside(
+        let ((), taken) = with_sink_thread(
             &mut disk,
             || false,
             |sink| {
@@ -170,7 +170,7 @@ mod tests {
         let (release, go) = channel();
         (0..1000).for_each(|_| release.send(()).unwrap());
         let mut disk = Disk { go, room: 3, indices: Vec::new() };
-        let (answered, taken) = beside(
+        let (answered, taken) = with_sink_thread(
             &mut disk,
             || false,
             |sink| {
@@ -187,8 +187,8 @@ mod tests {
         let (release, go) = channel();
         drop(release);
         let mut disk = Disk { go, room: 3, indices: Vec::new() };
-        let (stopped, taken) =
-            beside(&mut disk, || false, |sink| (0..10_000_000).any(|index| sink.sample(&sample(index)).ends()));
+        let work = |sink: &mut dyn Sink| (0..10_000_000).any(|index| sink.sample(&sample(index)).ends());
+        let (stopped, taken) = with_sink_thread(&mut disk, || false, work);
         assert!(stopped && taken.is_err_and(|error| error.message().contains("panicked")));
     }
 }

@@ -58,14 +58,14 @@ pub fn assume(name: &str, ends: &ChainEnds, place: &Path) -> Result<Option<Assum
     fill(&mut table, &loaded, &mut assumptions)?;
     let sentences = assumptions.sentences();
     let heading: String = sentences.iter().map(|sentence| format!("# Assumed: {sentence}.\n")).collect();
-    let text = toml::to_string(&table).map_err(Error::of)?;
+    let text = toml::to_string(&table).map_err(Error::new)?;
     Ok(Some(AssumedFile { text: format!("{heading}\n{text}"), assumptions: sentences }))
 }
 
 /// The robot file as a table whose paths begin at the folder of `place`.
 fn table(name: &str, ends: &ChainEnds, place: &Path) -> Result<Table, Error> {
     let path = Path::new(name);
-    let of_toml = |text: &str| text.parse::<Table>().map_err(Error::of);
+    let of_toml = |text: &str| text.parse::<Table>().map_err(Error::new);
     if path.extension().is_some_and(|extension| extension == "toml") {
         let mut table = of_toml(&Text::read(path)?.content)?;
         if let Some(Value::String(urdf)) = table.get_mut("urdf") {
@@ -110,7 +110,7 @@ fn fill(table: &mut Table, loaded: &LoadedRobot, made: &mut Assumptions) -> Resu
         if !(torque.is_finite() && speed.is_finite()) {
             let message =
                 format!("joint \"{}\" states no largest torque or speed, expected both in [joint.limits]", joint.name);
-            let help = Remedy::task(Task::Robot, "arm.urdf").with(Setting::Output, "robot.toml");
+            let help = Remedy::task(Task::Robot, "arm.urdf").option(Setting::Output, "robot.toml");
             return Err(Error::new(message).help(help.say(" begins a robot file with its gaps marked")));
         }
         let is_of = |table: &Value| table.get("name").and_then(Value::as_str) == Some(joint.name.as_str());
@@ -144,7 +144,7 @@ fn fill(table: &mut Table, loaded: &LoadedRobot, made: &mut Assumptions) -> Resu
             (ROTOR, ROTOR_SHARE * torque * 0.5 / speed),
         ] {
             if !stated(term) {
-                terms.insert(term.entry().key.of(joint.kind).to_owned(), rounded(value));
+                terms.insert(term.entry().key.for_kind(joint.kind).to_owned(), rounded(value));
                 if term == ROTOR { made.rotors = true } else { made.friction = true }
             }
         }

@@ -15,7 +15,7 @@ use crate::text::Text;
 ///
 /// # Errors
 /// As [`load`].
-pub fn named(name: &str) -> Result<LoadedRobot, Error> {
+pub fn find(name: &str) -> Result<LoadedRobot, Error> {
     load(name, &ChainEnds::default(), None)
 }
 

@@ -89,7 +89,7 @@ pub(super) fn hold(
     }
     let may_touch = robot.may_touch().to_vec();
     let with = |may_touch| {
-        let with = robot.clone().changed(|spec| (spec.shapes, spec.may_touch) = (all.clone(), may_touch));
+        let with = robot.clone().with_spec(|spec| (spec.shapes, spec.may_touch) = (all.clone(), may_touch));
         with.map_err(|error| Error::new(format!("the collision shapes of robot \"{}\": {error}", robot.name())))
     };
     let shaped = with(may_touch.clone())?;

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use armid::model::format::{
-    ChainEnds, CollisionShape, RelativeUncertainty, RobotModel, embed_urdf, parse_nominal, parse_robot_model, urdf_of,
+    ChainEnds, CollisionShape, RelativeUncertainty, RobotModel, embed_urdf, named_urdf, parse_nominal,
+    parse_robot_model,
 };
 use armid::model::{BundledRobot, Drive, EffortInterface, Robot, StandardParameters};
 use armid::remedy::{Remedy, Setting, Task};
@@ -75,7 +76,7 @@ impl LoadedRobot {
     /// [`Error`] where nothing says it, or what does cannot be read.
     pub fn truth(&self) -> Result<Truth, Error> {
         let text = match (&self.truth, &self.own) {
-            (TruthSource::Own, Some(own)) => return Ok(Truth::of(own.clone())),
+            (TruthSource::Own, Some(own)) => return Ok(Truth::without_effects(own.clone())),
             (TruthSource::Bundled(name), _) => {
                 let text = truth_text(name).unwrap_or_default();
                 Text::new(format!("models/{name}/truth.toml"), text)
@@ -85,11 +86,11 @@ impl LoadedRobot {
                 if !path.is_file() {
                     // What the URDF and the file itself state.
                     if let Some(own) = own {
-                        return Ok(Truth::of(own.clone()));
+                        return Ok(Truth::without_effects(own.clone()));
                     }
                     let message = format!("{} not found: a simulated arm is made of its parameters", path.display());
-                    let help = Remedy::task(Task::Export, "E.json").with(Setting::To, "toml");
-                    let help = help.with(Setting::Output, "truth.toml");
+                    let help = Remedy::task(Task::Export, "E.json").option(Setting::To, "toml");
+                    let help = help.option(Setting::Output, "truth.toml");
                     let help = help.say(" makes one of an estimate; a robot file over a URDF has its inertias");
                     return Err(Error::unknown(message).help(help));
                 }
@@ -149,10 +150,10 @@ impl LoadedRobot {
             )
         };
         let mapping = mapping.unwrap_or("…, current=i_[1-6] constant=0.05 gear=100");
-        let help = Remedy::from("state them beside the columns: ").to(Setting::Map, mapping);
+        let help = Remedy::from("state them beside the columns: ").assign(Setting::Map, mapping);
         let words =
             " (N·m/A at the motor, turns of the motor; values of each joint with / between them), or in a robot file: ";
-        let help = help.say(words).perform(Task::Robot, "arm.urdf").with(Setting::Output, "robot.toml");
+        let help = help.say(words).perform(Task::Robot, "arm.urdf").option(Setting::Output, "robot.toml");
         let help = help.say(" begins one");
         Err(Error::mismatch(message).help(help))
     }
@@ -220,7 +221,7 @@ impl LoadedRobot {
         if !locked.is_empty() {
             remarks.push(held(&locked));
         }
-        let reference = urdf_of(&text.content).map_err(|error| Error::of_format(&text, &error))?;
+        let reference = named_urdf(&text.content).map_err(|error| Error::of_format(&text, &error))?;
         let urdf = reference.and_then(|reference| {
             let (name, ends) = (reference.path, reference.ends);
             reference.text.map(|content| ChainSource { text: Text::new(name, content), ends })
@@ -253,13 +254,13 @@ fn held(locked: &[String]) -> String {
 
 /// A robot file with the URDF that it names, which lies relative to `folder`, and the folder of that.
 fn with_urdf(text: Text, folder: &Path) -> Result<(Text, Option<PathBuf>), Error> {
-    let reference = urdf_of(&text.content).map_err(|error| Error::of_format(&text, &error))?;
+    let reference = named_urdf(&text.content).map_err(|error| Error::of_format(&text, &error))?;
     let Some(reference) = reference.filter(|reference| reference.text.is_none()) else { return Ok((text, None)) };
     let path = folder.join(&reference.path);
     if !path.is_file() {
         let message = format!("URDF not found: {}", path.display());
         let help = "urdf is a path relative to the robot file";
-        return Err(Error::unknown(message).help(help).at(&text, reference.span, "here"));
+        return Err(Error::unknown(message).help(help).at_span(&text, reference.span, "here"));
     }
     let urdf = Text::read(&path)?;
     // A fault in the URDF is shown there.

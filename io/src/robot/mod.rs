@@ -10,7 +10,7 @@ mod tree;
 
 pub use assumed_file::{AssumedFile, assume};
 pub use begun_file::begin;
-pub use find::{load, named};
+pub use find::{find, load};
 pub use held_shapes::{HeldShape, HeldShapes, ShapeLeftOut};
 pub use loaded_robot::{ChainSource, LoadedRobot};
 pub use package_path::PackagePath;

@@ -30,7 +30,7 @@ pub fn write_figure_numbers<T: Serialize>(path: &Path, robots: &[T]) -> Result<(
 pub fn read_figure_numbers<T: DeserializeOwned>(path: &Path, name: &str) -> Result<Vec<T>, Error> {
     let text = Text::read(path)?;
     let help = || {
-        let figure = Remedy::from("expected what ").perform(Task::Report, "").with(Setting::Figure, name);
+        let figure = Remedy::from("expected what ").perform(Task::Report, "").option(Setting::Figure, name);
         figure.say(" writes, or the folder of a study")
     };
     serde_json::from_str(&text.content).map_err(|error| Error::of_json(&text, &error).help(help()))

@@ -62,7 +62,7 @@ impl Header {
 pub(super) fn read(file: &File, name: &str, reader: &mut dyn Reader) -> Result<Extent, Error> {
     let fault = |error: &std::io::Error| Error::new(format!("{name} cannot be read: {error}"));
     let length = file.metadata().map_err(|error| fault(&error))?.len();
-    RECORDING_BYTES.check(name, length as f64).map_err(|error| Error::new(error.to_string()))?;
+    RECORDING_BYTES.check(name, length as f64).map_err(Error::new)?;
     parse(BufReader::with_capacity(1 << 16, file), name, reader)
 }
 

@@ -74,7 +74,7 @@ impl NumberWriter {
     /// [`io::Error`] where it cannot be written.
     pub(super) fn add(&mut self, outcome: &Outcome) -> io::Result<()> {
         for (number, column) in self.numbers.iter().zip(&mut self.piece) {
-            column.push(number.of(outcome, &self.truths).map_or(NONE, f64::to_bits));
+            column.push(number.value(outcome, &self.truths).map_or(NONE, f64::to_bits));
         }
         *self.statuses[outcome.condition].entry(outcome.status()).or_insert(0) += 1;
         self.next += 1;
@@ -197,7 +197,7 @@ evaluations = 2
     pub(in crate::study) fn setup() -> StudySetup {
         let mut plan = StudyPlan::from_toml(PLAN).unwrap();
         plan.engines = vec!["analytic".to_owned(), "rapier".to_owned()];
-        let loaded = robot::named(&plan.robot).unwrap();
+        let loaded = robot::find(&plan.robot).unwrap();
         let (truth, nominal) = (loaded.truth().unwrap(), loaded.nominal.unwrap());
         StudySetup::new(plan, loaded.robot, nominal, &truth).unwrap()
     }

@@ -90,7 +90,7 @@ pub fn run_values(folder: &Path, metric: Metric) -> Result<Vec<RunValue>, Error>
 ///
 /// # Errors
 /// [`Error`] where the rows cannot be read.
-pub fn seconds_of(folder: &Path) -> Result<(f64, f64), Error> {
+pub fn design_and_run_seconds(folder: &Path) -> Result<(f64, f64), Error> {
     let (mut designs, mut runs) = ((0.0, 0.0), (0.0, 0.0));
     rows(&folder.join("timing.parquet"), &["kind", "seconds"], |row| {
         let Field::Double(seconds) = row[1] else { return };
@@ -135,7 +135,7 @@ fn rows(path: &PathBuf, names: &[&str], mut take: impl FnMut(&[Field])) -> Resul
             names.iter().map(|name| all.get(&(*name).to_owned()).copied().cloned()).collect();
         let cells = cells.ok_or_else(|| {
             Error::new(format!("{}: expected the columns {}", path.display(), names.join(", ")))
-                .help(Remedy::task(Task::Study, "STUDY").with(Setting::Output, "DIR").say(" writes them"))
+                .help(Remedy::task(Task::Study, "STUDY").option(Setting::Output, "DIR").say(" writes them"))
         })?;
         take(&cells);
     }

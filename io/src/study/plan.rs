@@ -79,7 +79,7 @@ fn at_robot(error: Error, text: &Text, robot: &str) -> Error {
     let list = lines.filter(|(_, line)| line.trim_start().starts_with("robots")).map(|(start, _)| start).next();
     let place = list.and_then(|list| Some(list + text.content[list..].find(&format!("\"{robot}\""))?));
     match place {
-        Some(place) => error.at(text, place..place + robot.len() + 2, "here"),
+        Some(place) => error.at_span(text, place..place + robot.len() + 2, "here"),
         None => error,
     }
 }

@@ -165,7 +165,7 @@ impl Texts {
             drawn => ByteArray::from(format!("draw {drawn}").as_str()),
         };
         Self {
-            families: setup.designs().iter().map(|&(family, _)| text(&plan.designs[family].name)).collect(),
+            families: setup.designs().iter().map(|design| text(&plan.designs[design.family].name)).collect(),
             conditions: plan.conditions().iter().map(|condition| text(&condition.name)).collect(),
             truths: (0..setup.scorer.truths.len()).map(truth).collect(),
             estimators: plan.identification.estimators.iter().map(|name| text(name)).collect(),

@@ -99,7 +99,7 @@ impl ForeignTable {
             let per = if self.headings.is_some() { "one per heading" } else { "as many as in the first row" };
             let message = format!("found {found} values, expected {width}, {per}");
             let help = format!("values were taken to be separated by {}", self.dialect.separator.name());
-            return Err(Error::new(message).at(&self.text, range.clone(), "this row").help(help));
+            return Err(Error::new(message).at_span(&self.text, range.clone(), "this row").help(help));
         }
         if self.cut_off {
             self.rows.pop();
@@ -148,7 +148,7 @@ impl ForeignTable {
                     None => {
                         let name = &self.names()[column];
                         let message = format!("{name}: found \"{field}\", expected a number");
-                        return Err(Error::new(message).at(&self.text, at, "no number"));
+                        return Err(Error::new(message).at_span(&self.text, at, "no number"));
                     }
                 });
             }
@@ -157,18 +157,18 @@ impl ForeignTable {
     }
 
     /// A fault about the headings, or the first row where there are none.
-    pub(crate) fn heading_fault(&self, message: impl Into<String>) -> Error {
+    pub(crate) fn heading_fault(&self, message: impl std::fmt::Display) -> Error {
         let span = match &self.headings {
             Some(headings) => headings.first().map_or(0, |h| h.1.start)..headings.last().map_or(0, |h| h.1.end),
             None => self.rows.first().cloned().unwrap_or(0..0),
         };
         let label = if self.headings.is_some() { "the headings" } else { "the first row: there are no headings" };
-        Error::new(message).at(&self.text, span, label)
+        Error::new(message).at_span(&self.text, span, label)
     }
 
     /// A fault at a row.
-    pub(crate) fn row_fault(&self, row: usize, message: impl Into<String>) -> Error {
-        Error::new(message).at(&self.text, self.rows[row].clone(), "this row")
+    pub(crate) fn row_fault(&self, row: usize, message: impl std::fmt::Display) -> Error {
+        Error::new(message).at_span(&self.text, self.rows[row].clone(), "this row")
     }
 }
 

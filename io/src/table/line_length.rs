@@ -11,7 +11,7 @@ pub(super) fn check_lines(text: &Text) -> Result<(), Error> {
     for line in text.content.split_inclusive('\n') {
         LINE_BYTES
             .check_count("length of the line", line.len())
-            .map_err(|error| Error::from(error).at(text, start..start, "this line"))?;
+            .map_err(|error| Error::from(error).at_span(text, start..start, "this line"))?;
         start += line.len();
     }
     Ok(())

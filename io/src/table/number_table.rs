@@ -41,7 +41,7 @@ impl NumberTable {
                 let names = record.iter().map(|name| name.trim().trim_start_matches('\u{feff}').to_owned());
                 COLUMNS
                     .check_count("number of headings", record.len())
-                    .map_err(|error| Error::from(error).at(&text, start..start, "here"))?;
+                    .map_err(|error| Error::from(error).at_span(&text, start..start, "here"))?;
                 table.columns = names.zip(fields(&text.content, start, record.len())).collect();
                 table.check_headings()?;
             } else {
@@ -58,7 +58,7 @@ impl NumberTable {
         for (k, (name, span)) in self.columns.iter().enumerate() {
             if self.columns[..k].iter().any(|(other, _)| other == name) {
                 let message = format!("heading \"{name}\" occurs twice, expected each once");
-                return Err(Error::new(message).at(&self.text, span.clone(), "here again"));
+                return Err(Error::new(message).at_span(&self.text, span.clone(), "here again"));
             }
         }
         Ok(())
@@ -69,7 +69,7 @@ impl NumberTable {
         if record.len() != self.columns.len() {
             let message = format!("found {} values, expected {}, one per heading", record.len(), self.columns.len());
             let end = spans().last().map_or(start, |span| span.end);
-            return Err(Error::new(message).at(&self.text, start..end, "this row"));
+            return Err(Error::new(message).at_span(&self.text, start..end, "this row"));
         }
         for (k, field) in record.iter().enumerate() {
             match field.trim().parse::<f64>() {
@@ -77,7 +77,7 @@ impl NumberTable {
                 _ => {
                     let name = &self.columns[k].0;
                     let message = format!("{name}: found \"{}\", expected a finite number", field.trim());
-                    return Err(Error::new(message).at(&self.text, spans()[k].clone(), "no number"));
+                    return Err(Error::new(message).at_span(&self.text, spans()[k].clone(), "no number"));
                 }
             }
         }
@@ -109,7 +109,9 @@ impl NumberTable {
                 _ => 0..0,
             };
             let near = suggestion::nearest(name, found).map(|near| format!("the nearest there is: \"{near}\""));
-            Error::new(format!("heading \"{name}\" is missing")).at(&self.text, span, "the headings").maybe_help(near)
+            Error::new(format!("heading \"{name}\" is missing"))
+                .at_span(&self.text, span, "the headings")
+                .maybe_help(near)
         })
     }
 
@@ -118,7 +120,7 @@ impl NumberTable {
         match self.columns.iter().find(|(name, _)| !accepts(name)) {
             Some((name, span)) => {
                 let message = format!("found heading \"{name}\", expected {expected}");
-                Err(Error::new(message).at(&self.text, span.clone(), "not expected"))
+                Err(Error::new(message).at_span(&self.text, span.clone(), "not expected"))
             }
             None => Ok(()),
         }

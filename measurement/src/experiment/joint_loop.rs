@@ -141,7 +141,7 @@ impl JointLoop {
         self.controller.memory().concat()
     }
 
-    /// Goes on with this memory (3n), as if the servo had come to it.
+    /// Continues with this memory (3n), as if the servo had come to it.
     ///
     /// # Panics
     /// If it is of another number of joints.
@@ -284,7 +284,7 @@ mod tests {
     #[test]
     fn identity_following_a_plan_s_commands_is_the_servo_to_the_last_bit() {
         for effort in EffortInterface::ALL {
-            let robot = hinges::coupled().changed(|spec| spec.effort = effort).unwrap();
+            let robot = hinges::coupled().with_spec(|spec| spec.effort = effort).unwrap();
             let nominal = hinges::parameters(2);
             let plan =
                 ExperimentPlan { settle_s: 0.1, ramp_s: 0.3, periods: 1, ..ExperimentPlan::new(hinges::trajectory(2)) };

@@ -21,7 +21,7 @@ pub struct LoopSlopes {
 }
 
 impl LoopSlopes {
-    /// By so many parameters, none of which the loop depends on yet, for `joints` joints.
+    /// The slopes of `joints` joints by so many parameters, on none of which the loop depends yet.
     pub fn new(joints: usize, directions: usize) -> Self {
         let zero = || vec![0.0; joints * directions];
         Self { directions, fresh: true, last_error: zero(), rate: zero(), integral: zero(), motor: zero(), tau: zero() }
@@ -32,7 +32,7 @@ impl LoopSlopes {
         [&self.last_error[..], &self.rate, &self.integral].concat()
     }
 
-    /// Goes on where [`JointLoop::recall`] does, with these derivatives of that memory (3n × d by rows).
+    /// Continues where [`JointLoop::recall`] does, with these derivatives of that memory (3n × d by rows).
     ///
     /// # Panics
     /// If they are of another number of joints or parameters.

@@ -1,6 +1,7 @@
 //! The motors as they really are: torque per ampere, supply, and the voltage that a current at a speed needs.
 
 use crate::model::{Drive, MotorCircuit};
+use crate::statistics::Interval;
 
 /// The motors of one run, in motor coordinates after the gear.
 #[derive(Clone, Debug)]
@@ -27,7 +28,7 @@ impl Motors {
         let mut saturated = false;
         for (i, circuit) in self.circuits.iter().enumerate() {
             if let Some(circuit) = circuit {
-                let (low, high) = circuit.current_limits(self.gear[i] * qd_motor[i]);
+                let Interval { low, high } = circuit.current_limits(self.gear[i] * qd_motor[i]);
                 let held = current[i].clamp(low, high);
                 saturated |= held != current[i];
                 current[i] = held;
@@ -40,7 +41,7 @@ impl Motors {
     /// supply does not hold it.
     pub(super) fn supply_slope(&self, i: usize, qd_motor: f64, current: f64) -> Option<f64> {
         let circuit = self.circuits[i]?;
-        let (low, high) = circuit.current_limits(self.gear[i] * qd_motor);
+        let Interval { low, high } = circuit.current_limits(self.gear[i] * qd_motor);
         if current != low && current != high {
             return None;
         }

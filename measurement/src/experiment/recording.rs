@@ -56,8 +56,8 @@ pub struct Recording {
 crate::plain::checked_when_read!(Recording, |value| value.check().map(|()| value));
 
 impl Recording {
-    /// What a recording of a plan begins with, of a robot whose file has this text: everything but samples.
-    pub fn begun(robot: &Robot, robot_text: &str, plan: &ExperimentPlan, layout: &Layout, seed: Option<Seed>) -> Self {
+    /// A recording of a plan before its first sample, of a robot whose file has this text.
+    pub fn empty(robot: &Robot, robot_text: &str, plan: &ExperimentPlan, layout: &Layout, seed: Option<Seed>) -> Self {
         Self {
             robot: robot.name().to_owned(),
             robot_text: robot_text.to_owned(),

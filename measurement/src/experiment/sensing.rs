@@ -290,7 +290,7 @@ mod tests {
     fn analytic_a_coarser_encoder_reads_the_same_position_in_larger_steps() {
         let robot = hinges::single();
         let step = robot.joints()[0].drive.encoder_step(true);
-        let effects = Effects::none().with(EffectKind::EncoderStep, 50.0);
+        let effects = Effects::none().with_effect(EffectKind::EncoderStep, 50.0);
         let actual = ActualArm::new(&effects, &robot, &hinges::parameters(1)).sensors(1000.0);
         let mut sensors = Sensors::new(&robot, &Sensing::noise_free(), Seed::new(1).of_run(0)).with_effects(&actual);
         let mut read: Vec<f64> = (0..400)

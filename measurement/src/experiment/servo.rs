@@ -155,11 +155,6 @@ impl<P: Plant> Servo<P> {
         &self.plant
     }
 
-    /// Nominal inertia that each motor sees at the gain pose, kg·m², n.
-    pub fn inertia(&self) -> &[f64] {
-        &self.load.inertia
-    }
-
     /// How well the last experiment followed its command.
     pub fn tracking(&self) -> Option<&Tracking> {
         self.tracking.as_ref()
@@ -171,7 +166,7 @@ impl<P: Plant> Servo<P> {
     /// [`ArmError::Plan`] where the plan cannot be performed.
     pub fn recording(&self, plan: &ExperimentPlan, seed: Seed) -> Result<Recording, ArmError> {
         let layout = plan.check(self.robot.dof())?;
-        Ok(Recording::begun(&self.robot, &self.robot_text, plan, &layout, Some(seed)))
+        Ok(Recording::empty(&self.robot, &self.robot_text, plan, &layout, Some(seed)))
     }
 
     /// The servo's part of an experiment for each run, for callers that step the plants themselves.
@@ -273,7 +268,7 @@ mod tests {
     #[test]
     fn analytic_gains_sit_on_the_rotor() {
         let servo = servo(&hinges::single());
-        assert!((servo.inertia()[0] - hinges::INERTIA).abs() < 1e-15);
+        assert!((servo.load.inertia[0] - hinges::INERTIA).abs() < 1e-15);
     }
 
     #[test]
@@ -282,7 +277,7 @@ mod tests {
         for robot in [hinges::single(), hinges::coupled()] {
             let n = robot.dof();
             let mut servo = servo(&robot).with_sensing(Sensing::ideal());
-            let robot = robot.changed(|spec| spec.effort = EffortInterface::Torque).unwrap();
+            let robot = robot.with_spec(|spec| spec.effort = EffortInterface::Torque).unwrap();
             let mut servo_torque = Servo { robot: robot.clone(), ..servo.clone() };
             let (mut q, mut tau) = (Vec::new(), Vec::new());
             let mut recording = record(&mut servo_torque, &plan(n)).unwrap().0;
@@ -341,7 +336,7 @@ mod tests {
         let robot = hinges::single();
         let tuned = |rate_hz| {
             let tuning = ServoTuning { rate_hz, ..ServoTuning::ASSUMED };
-            servo(&robot.clone().changed(|spec| spec.servo = Some(tuning)).unwrap())
+            servo(&robot.clone().with_spec(|spec| spec.servo = Some(tuning)).unwrap())
         };
         let slow = tuned(1500.0);
         assert!(matches!(slow.cycle(&plan(1)), Err(ArmError::Rate { .. })));

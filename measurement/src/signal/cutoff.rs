@@ -35,8 +35,8 @@ pub fn find_cutoff(rows: &[f64], dof: usize, rate_hz: f64) -> f64 {
     last_hz(rows, dof, rate_hz, |series, _| series.last_above_upper_half(ABOVE_NOISE)).max(LEAST_HZ.min(0.25 * rate_hz))
 }
 
-/// The same of positions behind a low pass of `band_hz`, Hz, whose noise is that from half the band on; no least frequency, for what is differentiated
-/// more than twice.
+/// The cut-off of positions behind a low pass of `band_hz`, Hz, for what is differentiated more than twice. Noise is what is above half
+/// the band. There is no least frequency.
 pub(super) fn find_motion_band(rows: &[f64], dof: usize, rate_hz: f64, band_hz: f64) -> f64 {
     last_hz(rows, dof, rate_hz, |series, spacing_hz| {
         let line = |hz: f64| ((hz / spacing_hz) as usize).min(series.highest());

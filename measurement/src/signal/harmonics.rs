@@ -15,6 +15,7 @@ use std::ops::Range;
 use nalgebra::Complex;
 
 use super::fourier_transform::FourierTransform;
+use crate::dynamics::States;
 
 /// Which harmonics of the measured positions are kept.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -40,8 +41,8 @@ pub enum Bandwidth {
 /// use armid::signal::{FourierTransform, HarmonicSeries};
 /// let x: Vec<f64> = (0..16).map(|k| (std::f64::consts::TAU * 2.0 * k as f64 / 16.0).sin()).collect();
 /// let transform = FourierTransform::new(16);
-/// let (q, qd, qdd) = HarmonicSeries::new(&transform, &x, 1.0).up_to(3).samples(&transform);
-/// assert!(q[0].abs() < 1e-14 && (qd[0] - 2.0 * std::f64::consts::TAU).abs() < 1e-12 && qdd[0].abs() < 1e-11);
+/// let states = HarmonicSeries::new(&transform, &x, 1.0).up_to(3).samples(&transform);
+/// assert!(states.q[0].abs() < 1e-14 && (states.qd[0] - 2.0 * std::f64::consts::TAU).abs() < 1e-12 && states.qdd[0].abs() < 1e-11);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct HarmonicSeries {
@@ -135,11 +136,11 @@ impl HarmonicSeries {
         (0..self.lines.len()).map(mean).collect()
     }
 
-    /// Value, first and second derivative at the N uniform instants `k T / N` of a transform, k = 0, 1, ….
+    /// The states of the joint, value, first and second derivative, at the N uniform instants `k T / N` of a transform, k = 0, 1, ….
     ///
     /// # Panics
     /// If the transform has not more than twice as many samples as the series has harmonics.
-    pub fn samples(&self, transform: &FourierTransform) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+    pub fn samples(&self, transform: &FourierTransform) -> States {
         let n = transform.len();
         assert!(2 * self.highest() < n, "{n} samples for {} harmonics", self.highest());
         let w = std::f64::consts::TAU / self.period_s;
@@ -162,7 +163,7 @@ impl HarmonicSeries {
         let velocity = |h: usize| self.lines[h] * Complex::new(0.0, w * h as f64);
         let acceleration = |h: usize| self.lines[h] * -(w * h as f64).powi(2);
         let (q, qd) = backward(&|h| self.lines[h], &velocity);
-        (q, qd, backward(&acceleration, &|_| Complex::new(0.0, 0.0)).0)
+        States { dof: 1, q, qd, qdd: backward(&acceleration, &|_| Complex::new(0.0, 0.0)).0 }
     }
 }
 
@@ -186,10 +187,10 @@ mod tests {
         let x: Vec<f64> = (0..n).map(|k| smooth(period * k as f64 / n as f64, w)[0]).collect();
         let series = HarmonicSeries::new(&FourierTransform::new(n), &x, period);
         // 31 harmonics of exp∘sin leave 1e-30; the rest is rounding, 1e-16 times h² ω² ≈ 6e3 for the acceleration.
-        let (q, qd, qdd) = series.samples(&FourierTransform::new(96));
+        let found = series.samples(&FourierTransform::new(96));
         for k in 0..96 {
             let t = period * k as f64 / 96.0;
-            let sampled = [q[k], qd[k], qdd[k]];
+            let sampled = [found.q[k], found.qd[k], found.qdd[k]];
             let expected = smooth(t, w);
             for (order, bound) in [1e-14, 1e-12, 1e-10].into_iter().enumerate() {
                 assert!((sampled[order] - expected[order]).abs() < bound, "derivative {order} at {t}");

@@ -49,7 +49,7 @@ impl Samples {
                     };
                     let floor = self.position_floor.get(i).copied().unwrap_or(0.0);
                     let shares = series(&self.states.q).signal_shares(floor);
-                    series(&self.states.qd).weighted(&shares).samples(&transform).2
+                    series(&self.states.qd).weighted(&shares).samples(&transform).qdd
                 }
                 (Some(_), Derivatives::Differences) => differences_periodic(&qdd, step).0,
                 (None, Derivatives::Fourier | Derivatives::Differences) => differences(&qdd, step).0,
@@ -119,12 +119,11 @@ mod tests {
             let series = HarmonicSeries::new(&transform, &noisy, period_s);
             let last = series.last_above_noise(std * std, count);
             let floor = series.floor(std * std, count);
-            let (q, qd, qdd) = series.up_to(last).samples(&transform);
             let samples = Samples {
                 period_s: Some(period_s),
                 position_band_hz: vec![last as f64 / period_s],
                 ..Samples::exact(
-                    States { dof: 1, q, qd, qdd },
+                    series.up_to(last).samples(&transform),
                     vec![0.0; count],
                     vec!["N·m".to_owned()],
                     count as f64 / period_s,

@@ -28,14 +28,14 @@ pub struct LagProducts {
 }
 
 impl LagProducts {
-    /// Of `x`, N × n row-major; `wraps` where the samples are one period.
+    /// The products of `x`, N × n row-major; `wraps` where the samples are one period.
     pub fn new(x: &[f64], dof: usize, wraps: bool) -> Self {
         let series = (0..dof).flat_map(|i| x.iter().skip(i).step_by(dof).copied()).collect();
         Self { dof, wraps, series, all: Vec::new() }
     }
 
     /// c(l), n × n, for a lag shorter than the series.
-    pub fn at(&mut self, l: usize) -> DMatrix<f64> {
+    pub fn product(&mut self, l: usize) -> DMatrix<f64> {
         if l <= FEW_LAGS {
             return self.summed(l);
         }
@@ -116,7 +116,7 @@ mod tests {
             for wraps in [false, true] {
                 let mut products = LagProducts::new(&x, n, wraps);
                 for l in 0..count - 1 {
-                    let found = products.at(l);
+                    let found = products.product(l);
                     for i in 0..n {
                         for j in 0..n {
                             let partners = (0..if wraps { count } else { count - l }).map(|k| (k, (k + l) % count));

@@ -164,7 +164,7 @@ impl LowPass {
             let filtered = match self {
                 Self::None => break,
                 Self::Harmonics(last) => {
-                    HarmonicSeries::new(transform, &raw(), period_s).up_to(*last).samples(transform).0
+                    HarmonicSeries::new(transform, &raw(), period_s).up_to(*last).samples(transform).q
                 }
                 Self::Butterworth(filter) => filter.zero_phase_periodic(&raw()),
             };
@@ -196,8 +196,8 @@ fn fourier_states(
         };
         let last = last.max(commanded).min(series.highest());
         bands.push(last as f64 / average.period_s);
-        let (q, qd, qdd) = series.up_to(last).samples(transform);
-        put_motion(&mut states, i, [&q, &qd, &qdd]);
+        let own = series.up_to(last).samples(transform);
+        put_motion(&mut states, i, own.arrays());
     }
     (states, bands, floors)
 }

@@ -174,7 +174,7 @@ impl Samples {
             (Derivatives::Fourier, Some(period_s)) => {
                 let transform = FourierTransform::new(torque.len());
                 let last = (band_hz * period_s).round() as usize;
-                HarmonicSeries::new(&transform, &torque, period_s).up_to(last).samples(&transform).0
+                HarmonicSeries::new(&transform, &torque, period_s).up_to(last).samples(&transform).q
             }
             (_, Some(_)) => butterworth()?.zero_phase_periodic(&torque),
             (_, None) => butterworth()?.zero_phase_reflected(&torque),
@@ -190,7 +190,7 @@ impl Samples {
     /// # Errors
     /// [`SignalError::JointUnits`], [`SignalError::Rates`] or [`SignalError::Blocks`] where they differ,
     /// [`SignalError::NoExperiment`] where there are none.
-    pub fn joined(parts: Vec<Self>) -> Result<Self, SignalError> {
+    pub fn join(parts: Vec<Self>) -> Result<Self, SignalError> {
         let mut parts = parts.into_iter();
         let mut all = parts.next().ok_or(SignalError::NoExperiment)?;
         let mut count = 1;

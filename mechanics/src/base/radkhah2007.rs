@@ -24,7 +24,7 @@ use crate::model::ParameterId;
 /// # use armid_mechanics as armid;
 /// use armid::base::Radkhah2007Sets;
 /// use nalgebra::dmatrix;
-/// let sets = Radkhah2007Sets::of(&dmatrix![1.0, 0.0, 2.0, 0.0; 1.0, 0.0, 2.0, 1.0; 0.0, 0.0, 0.0, 1.0]);
+/// let sets = Radkhah2007Sets::from_regressor(&dmatrix![1.0, 0.0, 2.0, 0.0; 1.0, 0.0, 2.0, 1.0; 0.0, 0.0, 0.0, 1.0]);
 /// assert_eq!((sets.unidentifiable, sets.alone, sets.base), (vec![1], vec![3], vec![0, 3]));
 /// assert!(sets.dependent[0].0 == 2 && (sets.dependent[0].1[0] - 2.0).abs() < 1e-15);
 /// ```
@@ -47,7 +47,7 @@ impl Radkhah2007Sets {
     /// ([`RankRevealingQr::indispensable`]) does not depend on the columns that were taken out before: those are combinations
     /// of columns that stay. Whether f_i raises the rank of L, and by which α it does not, is what QR from left to right finds. The
     /// tests follow the procedure to the letter.
-    pub fn of(phi_tot: &DMatrix<f64>) -> Self {
+    pub fn from_regressor(phi_tot: &DMatrix<f64>) -> Self {
         let tolerance = RankTolerance::default();
         // Step 4 first, so that the rest need not look at zero columns again.
         let (_, lengths) = normalised_columns(phi_tot);
@@ -108,7 +108,7 @@ mod tests {
         let c4 = a.column(0) * 2.0 - a.column(3) * 1e-3;
         a.set_column(4, &c4);
         let ids = [0, 1, 2, 3, 4, 5].map(|k| ParameterId { kind: ParameterKind::LINK[k], index: 0 });
-        let paper = Radkhah2007Sets::of(&a);
+        let paper = Radkhah2007Sets::from_regressor(&a);
         assert_eq!(
             (&paper.unidentifiable[..], &paper.alone[..], &paper.base[..]),
             (&[1][..], &[5][..], &[0, 3, 5][..])
@@ -158,7 +158,7 @@ mod tests {
                 states.push(&q, &qd, &qdd);
             }
             let phi_tot = JointTorqueRegressor::new(&robot, columns).unwrap().stack(&states);
-            let (found, expected) = (Radkhah2007Sets::of(&phi_tot), to_the_letter(&phi_tot));
+            let (found, expected) = (Radkhah2007Sets::from_regressor(&phi_tot), to_the_letter(&phi_tot));
             assert_eq!(found.unidentifiable, expected.unidentifiable, "chain {run}");
             assert_eq!((&found.alone, &found.base), (&expected.alone, &expected.base), "chain {run}");
             assert_eq!(found.dependent.len(), expected.dependent.len());

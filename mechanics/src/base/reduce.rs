@@ -127,7 +127,7 @@ fn reduce_stack(
 ) -> Result<BaseReduction, BaseError> {
     let w = scaled_stack(geometry, parameters, w)?;
     let reduction = match method {
-        Method::Radkhah2007 => Radkhah2007Sets::of(&w).reduction(parameters),
+        Method::Radkhah2007 => Radkhah2007Sets::from_regressor(&w).reduction(parameters),
         Method::Qr => BaseReduction::from_stack(parameters, &w, Method::Qr),
         Method::Structural => return Err(BaseError::NoTrajectory { method }),
     };

@@ -75,8 +75,8 @@ impl BaseModel {
         let x = &mut recursion.expressions;
         let zero = vec![x.number(0.0); dof];
         let one = x.number(1.0);
-        let qd: Vec<Id> = (0..dof).map(|i| x.of(Expression::Velocity(i))).collect();
-        let qdd: Vec<Id> = (0..dof).map(|i| x.of(Expression::Acceleration(i))).collect();
+        let qd: Vec<Id> = (0..dof).map(|i| x.intern(Expression::Velocity(i))).collect();
+        let qdd: Vec<Id> = (0..dof).map(|i| x.intern(Expression::Acceleration(i))).collect();
         let torque = recursion.torque(&qd, &qdd, true, &WRITTEN);
         let gravity = recursion.torque(&zero, &zero, true, &[]);
         let mut mass = vec![zero[0]; dof * dof];
@@ -98,11 +98,6 @@ impl BaseModel {
             mass,
             offset_in_weight: offset_in_weight(base),
         })
-    }
-
-    /// Number of joints n.
-    pub const fn dof(&self) -> usize {
-        self.dof
     }
 
     /// Sums, differences, products, sines and cosines of the inverse dynamics.
@@ -248,12 +243,12 @@ impl Recursion<'_> {
         let (zero, one) = (x.number(0.0), x.number(1.0));
         let (turn, slide) = match joint.kind {
             JointKind::Revolute => {
-                let (s, c) = (x.of(Expression::Sine(i)), x.of(Expression::Cosine(i)));
+                let (s, c) = (x.intern(Expression::Sine(i)), x.intern(Expression::Cosine(i)));
                 let minus = x.negative(s);
                 ([[c, minus, zero], [s, c, zero], [zero, zero, one]], end)
             }
             JointKind::Prismatic => {
-                let q = x.of(Expression::Position(i));
+                let q = x.intern(Expression::Position(i));
                 let height = x.sum(end[2], q);
                 ([[one, zero, zero], [zero, one, zero], [zero, zero, one]], [end[0], end[1], height])
             }

@@ -50,7 +50,7 @@ pub(super) struct Expressions {
 }
 
 impl Expressions {
-    pub(super) fn of(&mut self, expression: Expression) -> Id {
+    pub(super) fn intern(&mut self, expression: Expression) -> Id {
         *self.places.entry(expression).or_insert_with(|| {
             self.list.push(expression);
             self.list.len() - 1
@@ -59,7 +59,7 @@ impl Expressions {
 
     pub(super) fn number(&mut self, x: f64) -> Id {
         // No minus before a zero.
-        self.of(Expression::Number((x + 0.0).to_bits()))
+        self.intern(Expression::Number((x + 0.0).to_bits()))
     }
 
     fn known(&self, a: Id) -> Option<f64> {
@@ -75,7 +75,7 @@ impl Expressions {
             (Some(x), _) => self.number(-x),
             (None, Expression::Negative(b)) => b,
             (None, Expression::Difference(b, c)) => self.difference(c, b),
-            _ => self.of(Expression::Negative(a)),
+            _ => self.intern(Expression::Negative(a)),
         }
     }
 
@@ -87,7 +87,7 @@ impl Expressions {
             _ => match (self.list[a], self.list[b]) {
                 (_, Expression::Negative(b)) => self.difference(a, b),
                 (Expression::Negative(a), _) => self.difference(b, a),
-                _ => self.of(Expression::Sum(a.min(b), a.max(b))),
+                _ => self.intern(Expression::Sum(a.min(b), a.max(b))),
             },
         }
     }
@@ -100,7 +100,7 @@ impl Expressions {
             _ if self.is(a, 0.0) => self.negative(b),
             _ => match self.list[b] {
                 Expression::Negative(b) => self.sum(a, b),
-                _ => self.of(Expression::Difference(a, b)),
+                _ => self.intern(Expression::Difference(a, b)),
             },
         }
     }
@@ -122,20 +122,20 @@ impl Expressions {
                     let product = self.product(a, b);
                     self.negative(product)
                 }
-                _ => self.of(Expression::Product(a.min(b), a.max(b))),
+                _ => self.intern(Expression::Product(a.min(b), a.max(b))),
             },
         }
     }
 
     pub(super) fn smooth_sign(&mut self, a: Id, scale: f64) -> Id {
-        if self.is(a, 0.0) { a } else { self.of(Expression::SmoothSign(a, scale.to_bits())) }
+        if self.is(a, 0.0) { a } else { self.intern(Expression::SmoothSign(a, scale.to_bits())) }
     }
 
     pub(super) fn magnitude(&mut self, a: Id) -> Id {
         match (self.known(a), self.list[a]) {
             (Some(x), _) => self.number(x.abs()),
             (None, Expression::Negative(b)) => self.magnitude(b),
-            _ => self.of(Expression::Magnitude(a)),
+            _ => self.intern(Expression::Magnitude(a)),
         }
     }
 

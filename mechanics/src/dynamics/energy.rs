@@ -38,7 +38,7 @@ impl Dynamics {
         let mut v = Motion::zero();
         let mut pose = Placement::identity();
         for i in 0..n {
-            let x = self.poses[i].at(q[i]);
+            let x = self.poses[i].placement(q[i]);
             pose = pose.compose(&x);
             v = x.motion_to_child(&v) + self.axes[i] * qd[i];
             let link = &self.links[i];

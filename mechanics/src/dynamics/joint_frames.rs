@@ -115,7 +115,7 @@ impl Turns {
 
     /// Sine and cosine of joint k.
     #[inline(always)]
-    pub(super) fn of(&self, k: usize) -> (f64, f64) {
+    pub(super) fn sin_cos(&self, k: usize) -> (f64, f64) {
         (self.sines[k], self.cosines[k])
     }
 }
@@ -183,7 +183,7 @@ impl JointFrame {
     }
 }
 
-/// The same vector for all samples.
+/// One vector in every lane.
 #[inline(always)]
 fn three<V: Lane>(one: V, x: &Vector3<f64>) -> Three<V> {
     [one.splat(x.x), one.splat(x.y), one.splat(x.z)]
@@ -336,7 +336,7 @@ impl Body {
         }
     }
 
-    /// The same of one sample.
+    /// [`Self::lane_wrench`] of one sample.
     #[inline(always)]
     pub(super) fn wrench(&self, v: &Motion, a: &Motion) -> Force {
         self.lane_wrench(&v.into(), &a.into()).into()

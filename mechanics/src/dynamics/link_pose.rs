@@ -50,7 +50,7 @@ impl LinkPose {
 
     /// The pose at coordinate `q`, rad or m.
     #[inline]
-    pub fn at(&self, q: f64) -> Placement {
+    pub fn placement(&self, q: f64) -> Placement {
         let LanePlacement { axes: [x, y, z], origin } = self.in_lanes(self.turn(q));
         Placement {
             rotation: Matrix3::new(x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]),
@@ -117,7 +117,7 @@ mod tests {
             let (robot, _) = chains::random_robot(&mut rng, 6);
             let (q, _, _) = chains::random_state(&mut rng, 6);
             for (joint, &q) in robot.joints().iter().zip(&q) {
-                let (found, expected) = (LinkPose::new(joint).at(q), joint.placement(q));
+                let (found, expected) = (LinkPose::new(joint).placement(q), joint.placement(q));
                 assert!((found.rotation - expected.rotation).amax() < 1e-15);
                 assert!((found.translation - expected.translation).amax() < 1e-15);
             }

@@ -72,7 +72,7 @@ impl Dynamics {
             parameters.links.len(),
             parameters.drives.len()
         );
-        let terms = TorqueTerms::new(robot, Columns::default().and_those_of(parameters)).acting(parameters);
+        let terms = TorqueTerms::new(robot, Columns::default().with_terms_of(parameters)).acting(parameters);
         let term_values = terms.values(parameters);
         let term_inertia = terms.inertia(parameters);
         let chain = JointChain::new(robot, &parameters.links);
@@ -125,7 +125,7 @@ impl Dynamics {
     ///
     /// # Panics
     /// If they are not as long as each other, or not those of whole samples.
-    pub fn inverse_of(&mut self, samples: [&[f64]; 3], tau: &mut [f64]) {
+    pub fn inverse_of_samples(&mut self, samples: [&[f64]; 3], tau: &mut [f64]) {
         let n = self.dof();
         assert_eq!(tau.len(), samples[0].len(), "one place for each effort");
         inverse::efforts_of(&self.chain, samples, tau);
@@ -142,7 +142,8 @@ impl Dynamics {
     fn inverse_of_links(&mut self, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
         self.turns.take(&self.chain.joints, q);
         let (turns, carried) = (&self.turns, &mut self.carried);
-        inverse::efforts(&self.chain, carried, |i| ([q[i], qd[i], qdd[i]], turns.of(i)), |i, effort| tau[i] = effort);
+        let motion = |i: usize| ([q[i], qd[i], qdd[i]], turns.sin_cos(i));
+        inverse::efforts(&self.chain, carried, motion, |i, effort| tau[i] = effort);
     }
 
     /// Adds the terms to the torque `tau` that the links take.
@@ -290,7 +291,7 @@ mod tests {
                 states.push(&q, &qd, &qdd);
             }
             let mut all = vec![f64::NAN; states.len() * dof];
-            dynamics.inverse_of(states.arrays(), &mut all);
+            dynamics.inverse_of_samples(states.arrays(), &mut all);
             let mut alone = vec![0.0; dof];
             for (k, found) in all.chunks_exact(dof).enumerate() {
                 dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), &mut alone);

@@ -31,8 +31,8 @@ pub struct PlacedTerm {
 }
 
 impl PlacedTerm {
-    /// What the joint quantity `x` (n) is in its own coordinate: `dᵀ x`.
-    pub fn along(&self, x: &[f64]) -> f64 {
+    /// The joint quantity `x` (n) in the coordinate of the term: `dᵀ x`.
+    pub fn project(&self, x: &[f64]) -> f64 {
         self.direction.iter().fold(0.0, |sum, &(joint, d)| sum + d * x[joint])
     }
 
@@ -44,7 +44,7 @@ impl PlacedTerm {
     /// Adds the torque of `value` units of the parameter at the joint positions `q` and velocities `qd`, without
     /// acceleration; n each.
     pub fn add_torque(&self, value: f64, q: &[f64], qd: &[f64], tau: &mut [f64]) {
-        let g = value * self.term.torque(&self.input(self.along(q), self.along(qd)));
+        let g = value * self.term.torque(&self.input(self.project(q), self.project(qd)));
         for &(joint, d) in &self.direction {
             tau[joint] += d * g;
         }

@@ -29,7 +29,7 @@ pub struct BlockWhitening {
 }
 
 impl BlockWhitening {
-    /// For blocks of covariance `covariance` (n × n).
+    /// The whitening of blocks of covariance `covariance` (n × n).
     ///
     /// # Errors
     /// [`LeastSquaresError::Covariance`] unless it is positive definite.

@@ -99,7 +99,7 @@ impl ColumnProducts {
         (rows.div_ceil(DEPTH * SUMS) + DEPTH + SUMS + 2 * columns) as f64
     }
 
-    /// As many rows R as there are independent columns, r × c, with `RᵀR = WᵀW` up to [`Self::rounding_errors`]: the Cholesky factor with the largest pivot first. `None` where a sum is not finite, or so small that it has no digits.
+    /// The rows R (r × c, r the number of independent columns) with `RᵀR = WᵀW` up to [`Self::rounding_errors`]: the Cholesky factor with the largest pivot first. `None` where a sum is not finite, or so small that it has no digits.
     pub fn root(self) -> Option<DMatrix<f64>> {
         let gram = self.finish();
         let c = gram.ncols();

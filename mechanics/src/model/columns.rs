@@ -61,7 +61,7 @@ impl Columns {
     /// # Panics
     /// Beyond [`MOST_TERMS`].
     #[must_use]
-    pub fn with(self, term: Term) -> Self {
+    pub fn with_term(self, term: Term) -> Self {
         if self.has(term) {
             return self;
         }
@@ -73,7 +73,7 @@ impl Columns {
 
     /// These columns without those of a term.
     #[must_use]
-    pub fn without(self, term: Term) -> Self {
+    pub fn without_term(self, term: Term) -> Self {
         let terms: Vec<Term> = self.terms().filter(|&own| own != term).collect();
         Self::of_listed(&terms)
     }
@@ -116,7 +116,7 @@ impl Columns {
             if named.is_empty() {
                 return None;
             }
-            columns = named.into_iter().fold(columns, Self::with);
+            columns = named.into_iter().fold(columns, Self::with_term);
         }
         Some(columns)
     }

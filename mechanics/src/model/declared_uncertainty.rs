@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 /// # use armid_mechanics as armid;
 /// use armid::model::DeclaredUncertainty;
 /// let declared: DeclaredUncertainty = toml::from_str("torque_constant = 0.02\nviscous = 0.2")?;
-/// assert_eq!((declared.of("torque_constant"), declared.of("coulomb")), (0.02, 0.0));
+/// assert_eq!((declared.std("torque_constant"), declared.std("coulomb")), (0.02, 0.0));
 /// assert!(toml::from_str::<DeclaredUncertainty>("gravity = 0.1").is_err());
 /// # Ok::<(), toml::de::Error>(())
 /// ```
@@ -54,7 +54,7 @@ impl DeclaredUncertainty {
     }
 
     /// The standard deviation under a key; zero where it is not stated.
-    pub fn of(&self, key: &str) -> f64 {
+    pub fn std(&self, key: &str) -> f64 {
         self.0.get(key).copied().unwrap_or(0.0)
     }
 

@@ -44,7 +44,7 @@ const ROUNDING: f64 = 1e-14;
 /// let corner = |k: usize| Vector3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
 /// let mut points: Vec<Vector3<f64>> = (0..8).map(corner).collect();
 /// points.push(Vector3::new(0.5, 0.2, 0.7));
-/// let hull = Hull::around(&points).unwrap();
+/// let hull = Hull::enclosing(&points).unwrap();
 /// assert_eq!((hull.points.len(), hull.margin), (8, 0.0));
 /// ```
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -58,8 +58,8 @@ pub struct Hull {
 }
 
 impl Hull {
-    /// A body around finite points (m); `None` of none.
-    pub fn around(points: &[Vector3<f64>]) -> Option<Self> {
+    /// A convex body around finite points (m); `None` without a point.
+    pub fn enclosing(points: &[Vector3<f64>]) -> Option<Self> {
         let mut points = points.to_vec();
         points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
         points.dedup();
@@ -289,7 +289,7 @@ mod tests {
             let points: Vec<Vector3<f64>> = (0..count)
                 .map(|_| direction(&mut rng).component_mul(&Vector3::new(0.05, 0.06, 0.05 * stretch)))
                 .collect();
-            let hull = Hull::around(&points).unwrap();
+            let hull = Hull::enclosing(&points).unwrap();
             assert!(hull.points.len() <= HULL_POINTS && hull.points.iter().all(|p| points.contains(p)));
             assert!(hull.margin <= HULL_TOLERANCE || hull.points.len() == HULL_POINTS, "{}", hull.margin);
             assert!(hull.margin < 0.012, "{}", hull.margin);
@@ -302,7 +302,7 @@ mod tests {
                 assert!(hull.extent(&n) <= around + 1e-12);
             }
         }
-        assert_eq!(Hull::around(&[]), None);
+        assert_eq!(Hull::enclosing(&[]), None);
     }
 
     /// Points of nearly a line, and sizes from 1e-33 to 2 m: a point was once taken to be inside.
@@ -315,7 +315,7 @@ mod tests {
             let count = 2 + round % 12;
             let mut coordinate = |_: usize, _: usize| sizes[rng.random_range(0..sizes.len())];
             let points: Vec<Vector3<f64>> = (0..count).map(|_| Vector3::from_fn(&mut coordinate)).collect();
-            let hull = Hull::around(&points).unwrap();
+            let hull = Hull::enclosing(&points).unwrap();
             for axis in [Vector3::x(), Vector3::y(), Vector3::z()].into_iter().flat_map(|axis| [axis, -axis]) {
                 let furthest = points.iter().map(|p| axis.dot(p)).fold(f64::NEG_INFINITY, f64::max);
                 assert!(furthest <= hull.extent(&axis) + 1e-11, "{points:?} {hull:?}");
@@ -342,10 +342,10 @@ mod tests {
     fn analytic_a_flat_or_straight_set_of_points_has_a_hull() {
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.3, 0.4]];
         let square: Vec<Vector3<f64>> = square.iter().map(|[x, y]| Vector3::new(*x, *y, 0.7)).collect();
-        let hull = Hull::around(&square).unwrap();
+        let hull = Hull::enclosing(&square).unwrap();
         assert_eq!((hull.points.len(), hull.margin), (4, 0.0));
         let line: Vec<Vector3<f64>> = (0..9).map(|k| Vector3::new(0.1 * f64::from(k), 0.0, 0.0)).collect();
-        let hull = Hull::around(&line).unwrap();
+        let hull = Hull::enclosing(&line).unwrap();
         assert!(hull.points.len() <= 3 && hull.margin < 1e-15, "{hull:?}");
         let rod = hull.enclosing_capsule();
         assert!((rod.to - rod.from).norm() <= 0.8 + 1e-12 && rod.radius < 1e-12);

@@ -16,7 +16,7 @@
 /// let motor = MotorCircuit { resistance: 1.5, inductance: 1.5e-3, back_emf: 0.15, brush_drop: 1.0, supply: 70.0 };
 /// assert!((motor.voltage(2.0, 0.0, 100.0) - (3.0 + 15.0 + 1.0)).abs() < 1e-12);
 /// // At 300 rad/s 24 V are left for the resistance.
-/// assert!((motor.current_limits(300.0).1 - 16.0).abs() < 1e-12);
+/// assert!((motor.current_limits(300.0).high - 16.0).abs() < 1e-12);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -44,15 +44,15 @@ impl MotorCircuit {
         self.resistance * current + self.inductance * slope + self.back_emf * speed + brushes
     }
 
-    /// The steady currents, A, lowest and highest, that the supply can drive at a speed of the shaft (rad/s).
-    pub fn current_limits(&self, speed: f64) -> (f64, f64) {
+    /// The steady currents, A, that the supply can drive at a speed of the shaft (rad/s).
+    pub fn current_limits(&self, speed: f64) -> crate::statistics::Interval {
         let most = |side: f64| {
             let left = side * self.supply - self.back_emf * speed;
             // The brushes take their drop from what is left.
             let behind = if left.abs() > self.brush_drop { left - self.brush_drop.copysign(left) } else { 0.0 };
             behind / self.resistance
         };
-        (most(-1.0), most(1.0))
+        crate::statistics::Interval { low: most(-1.0), high: most(1.0) }
     }
 }
 
@@ -64,12 +64,12 @@ mod tests {
     fn identity_limits_are_the_currents_that_need_the_whole_supply() {
         let motor = MotorCircuit { resistance: 2.0, inductance: 1e-3, back_emf: 0.1, brush_drop: 1.5, supply: 40.0 };
         for speed in [-300.0, -20.0, 0.0, 20.0, 300.0] {
-            let (low, high) = motor.current_limits(speed);
+            let crate::statistics::Interval { low, high } = motor.current_limits(speed);
             assert!(low < 0.0 && high > 0.0);
             assert!((motor.voltage(high, 0.0, speed) - 40.0).abs() < 1e-9);
             assert!((motor.voltage(low, 0.0, speed) + 40.0).abs() < 1e-9);
         }
         // Faster than the supply can turn it the motor is a brake at any command.
-        assert!(motor.current_limits(500.0).1 < 0.0);
+        assert!(motor.current_limits(500.0).high < 0.0);
     }
 }

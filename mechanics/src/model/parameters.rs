@@ -21,7 +21,7 @@ use crate::spatial::Inertia;
 /// # use armid_mechanics as armid;
 /// use armid::model::DriveParameters;
 /// use armid::model::term::{COULOMB, ROTOR};
-/// let mut drive = DriveParameters::of(&[(ROTOR, 0.5)]);
+/// let mut drive = DriveParameters::from_iter([(ROTOR, 0.5)]);
 /// drive[COULOMB] = 4.0;
 /// assert_eq!((drive[ROTOR], drive[COULOMB]), (0.5, 4.0));
 /// ```
@@ -32,15 +32,6 @@ pub struct DriveParameters {
 }
 
 impl DriveParameters {
-    /// These coefficients, all others zero.
-    pub fn of(values: &[(Term, f64)]) -> Self {
-        let mut drive = Self::default();
-        for &(term, value) in values {
-            drive[term] = value;
-        }
-        drive
-    }
-
     /// The coefficients of `terms` alone, all others zero.
     #[must_use]
     pub fn only(&self, terms: impl Fn(Term) -> bool) -> Self {
@@ -50,6 +41,17 @@ impl DriveParameters {
     /// Every coefficient that is not zero, in the order of the terms.
     pub fn iter(&self) -> impl Iterator<Item = (Term, f64)> + '_ {
         self.values.iter().copied().filter(|&(_, value)| value != 0.0)
+    }
+}
+
+impl FromIterator<(Term, f64)> for DriveParameters {
+    /// These coefficients, all others zero.
+    fn from_iter<I: IntoIterator<Item = (Term, f64)>>(values: I) -> Self {
+        let mut drive = Self::default();
+        for (term, value) in values {
+            drive[term] = value;
+        }
+        drive
     }
 }
 
@@ -132,7 +134,7 @@ impl StandardParameters {
         columns.parameters(robot).into_iter().map(|id| self.get(id)).collect::<Vec<f64>>().into()
     }
 
-    /// From a vector φ for these columns of a robot; parameters that it does not hold are zero.
+    /// The parameters of a vector φ for these columns of a robot. Parameters that it does not hold are zero.
     ///
     /// # Panics
     /// If the vector's length is not the number of columns.
@@ -150,9 +152,9 @@ impl StandardParameters {
 impl Columns {
     /// These columns and every term of which a set of parameters has a coefficient other than zero.
     #[must_use]
-    pub fn and_those_of(self, parameters: &StandardParameters) -> Self {
+    pub fn with_terms_of(self, parameters: &StandardParameters) -> Self {
         let stated = parameters.drives.iter().flat_map(|drive| drive.iter().map(|(term, _)| term));
-        stated.fold(self, Self::with)
+        stated.fold(self, Self::with_term)
     }
 }
 

@@ -28,7 +28,7 @@ impl Default for ReferenceUnits {
 
 impl ReferenceUnits {
     /// The unit of one kind of parameter. For a term with none of its own: what makes the unit of torque with a law of 1.
-    pub fn of(&self, kind: ParameterKind) -> f64 {
+    pub fn unit(&self, kind: ParameterKind) -> f64 {
         match kind {
             ParameterKind::M => self.mass_kg,
             ParameterKind::Mcx | ParameterKind::Mcy | ParameterKind::Mcz => self.first_moment_kg_m,

@@ -198,9 +198,9 @@ impl Robot {
         &self.spec.source_sha256
     }
 
-    /// Returns this robot as read from this text.
+    /// Returns this robot with the text that it was read from, of which it keeps the checksum.
     #[must_use]
-    pub fn read_from(mut self, text: &str) -> Self {
+    pub fn with_source(mut self, text: &str) -> Self {
         self.spec.source_sha256 = sha256(text);
         self
     }
@@ -240,11 +240,11 @@ impl Robot {
         self
     }
 
-    /// Returns this robot with something else about it.
+    /// Returns this robot with its specification changed.
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn changed(mut self, change: impl FnOnce(&mut RobotSpec)) -> Result<Self, RobotError> {
+    pub fn with_spec(mut self, change: impl FnOnce(&mut RobotSpec)) -> Result<Self, RobotError> {
         change(&mut self.spec);
         Self::new(self.spec)
     }
@@ -254,7 +254,7 @@ impl Robot {
     /// # Errors
     /// [`RobotError`] if a joint is no longer possible.
     pub fn with_joints(self, change: impl FnMut(&mut Joint)) -> Result<Self, RobotError> {
-        self.changed(|spec| spec.joints.iter_mut().for_each(change))
+        self.with_spec(|spec| spec.joints.iter_mut().for_each(change))
     }
 
     /// Pose of every link's frame in the base frame at joint coordinates `q` (n).

@@ -107,7 +107,7 @@ pub enum Obstacle {
 
 impl Obstacle {
     /// Everything below the height `z` (m, base frame), under a name of its own.
-    pub fn above(name: &str, z: f64) -> Self {
+    pub fn everything_below(name: &str, z: f64) -> Self {
         Self::Plane { name: name.to_owned(), normal: Vector3::z(), offset: z }
     }
 

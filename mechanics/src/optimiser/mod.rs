@@ -19,7 +19,7 @@ mod sequential_tests;
 mod smooth;
 mod vectors;
 
-pub use brent::climb;
+pub use brent::{CurvePoint, climb};
 pub use error::QuadraticError;
 pub use quadratic::{QuadraticSolution, solve_quadratic};
 pub use row::{Row, RowSource};

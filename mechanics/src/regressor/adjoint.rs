@@ -68,7 +68,7 @@ impl JointTorqueRegressor {
         let mut axes: Vec<Motion> = Vec::with_capacity(n * (n + 1) / 2);
         let (mut v, mut a) = self.base_at_rest();
         for k in 0..n {
-            let placement = self.poses[k].at(q[k]);
+            let placement = self.poses[k].placement(q[k]);
             let axis = self.axes[k];
             let carried = (placement.motion_to_child(&v), placement.motion_to_child(&a));
             let rate = axis * qd[k];
@@ -187,7 +187,7 @@ mod tests {
     fn identity_gradient_is_central_differences_of_the_regressor() {
         let free = Columns::RIGID_ROTOR_FRICTION;
         for (columns, case) in
-            [free, free.with(LOAD_FRICTION)].into_iter().flat_map(|c| cases(c).map(move |case| (c, case)))
+            [free, free.with_term(LOAD_FRICTION)].into_iter().flat_map(|c| cases(c).map(move |case| (c, case)))
         {
             let regressor = JointTorqueRegressor::with_load(&case.robot, columns, &case.parameters);
             let found = gradient(&regressor, &case.state, &case.g);

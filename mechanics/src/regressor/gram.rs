@@ -127,7 +127,7 @@ mod tests {
             let (robot, parameters) = ChainRecipe { coupled: run % 2 == 0, ..ChainRecipe::new(dof) }.draw(&mut rng);
             let columns = Columns::RIGID_ROTOR_FRICTION;
             let free = JointTorqueRegressor::new(&robot, columns).unwrap();
-            let loaded = JointTorqueRegressor::with_load(&robot, columns.with(LOAD_FRICTION), &parameters);
+            let loaded = JointTorqueRegressor::with_load(&robot, columns.with_term(LOAD_FRICTION), &parameters);
             for (regressor, count) in [(free, 150), (loaded, 67)] {
                 let mut states = States::new(dof);
                 for _ in 0..count {

@@ -242,7 +242,7 @@ impl JointTorqueRegressor {
                 *s = x.motion_to_child(s);
             }
             axes[k] = axis;
-            visit(k, &BodyRegressor::of(&v, &a), axes);
+            visit(k, &BodyRegressor::in_lanes(&v, &a), axes);
         }
     }
 
@@ -320,7 +320,7 @@ mod tests {
     fn identity_the_load_is_the_torque_of_the_links_alone() {
         let mut rng = Seed::new(15).stream("chains", 0);
         let (robot, parameters) = ChainRecipe::new(6).draw(&mut rng);
-        let columns = Columns::RIGID_ROTOR_FRICTION.with(LOAD_FRICTION);
+        let columns = Columns::RIGID_ROTOR_FRICTION.with_term(LOAD_FRICTION);
         let (q, qd, qdd) = chains::random_state(&mut rng, 6);
         let mut states = States::new(6);
         states.push(&q, &qd, &qdd);

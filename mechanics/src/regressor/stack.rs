@@ -241,7 +241,7 @@ mod tests {
             let (robot, parameters) = recipe.draw(&mut Seed::new(14).stream("chains", 0));
             let states = states(5, 71, 1);
             let free = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
-            let columns = Columns::RIGID_ROTOR_FRICTION.with(LOAD_FRICTION);
+            let columns = Columns::RIGID_ROTOR_FRICTION.with_term(LOAD_FRICTION);
             let loaded = JointTorqueRegressor::with_load(&robot, columns, &parameters);
             for regressor in [free, loaded] {
                 let columns: Vec<usize> = (0..regressor.cols()).filter(|c| c % 3 != 1).collect();

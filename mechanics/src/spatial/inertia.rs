@@ -49,18 +49,18 @@ impl Inertia {
         Self { mass: 0.0, first_moment: Vector3::zeros(), rotational: Matrix3::zeros() }
     }
 
-    /// From mass, centre of mass and inertia about the centre of mass (Steiner): `I = I_c + m (cᵀc 1 − c cᵀ)`.
+    /// The inertia of a mass, its centre and the inertia about that centre (Steiner): `I = I_c + m (cᵀc 1 − c cᵀ)`.
     pub fn from_com(mass: f64, com: Vector3<f64>, about_com: Matrix3<f64>) -> Self {
         let steiner = (Matrix3::from_diagonal_element(com.norm_squared()) - com * com.transpose()) * mass;
         Self { mass, first_moment: com * mass, rotational: about_com + steiner }
     }
 
-    /// From mass (kg), centre of mass (m), and one radius of gyration (m) about every axis through it, as of a ball.
+    /// The inertia of a mass (kg) with its centre (m) and one radius of gyration (m) about every axis through it, as of a ball.
     pub fn with_gyration(mass: f64, com: [f64; 3], radius: f64) -> Self {
         Self::from_com(mass, Vector3::from(com), Matrix3::from_diagonal_element(mass * radius * radius))
     }
 
-    /// From mass (kg), centre of mass (m), and the inertia matrix about it as `xx, yy, zz, xy, xz, yz` (kg·m²).
+    /// The inertia of a mass (kg) with its centre (m) and the inertia matrix about it as `xx, yy, zz, xy, xz, yz` (kg·m²).
     ///
     /// ```
     /// # use armid_mechanics as armid;
@@ -78,7 +78,7 @@ impl Inertia {
         [self.mass, h.x, h.y, h.z, i[(0, 0)], i[(0, 1)], i[(0, 2)], i[(1, 1)], i[(1, 2)], i[(2, 2)]]
     }
 
-    /// From the ten in the order of `NOTATION.md`.
+    /// The inertia with these ten parameters in the order of `NOTATION.md`.
     pub fn from_array(p: &[f64; 10]) -> Self {
         Self {
             mass: p[0],

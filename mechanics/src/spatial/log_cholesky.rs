@@ -31,7 +31,7 @@ impl LogCholesky {
     ///
     /// # Errors
     /// [`InertiaError`] where it is physically inconsistent.
-    pub fn of(inertia: &Inertia) -> Result<Self, InertiaError> {
+    pub fn from_inertia(inertia: &Inertia) -> Result<Self, InertiaError> {
         inertia.check()?;
         let u = upper_factor(&inertia.pseudo().0);
         let scale = u[(3, 3)];
@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn identity_round_trip_gives_the_same_ten() {
         let (_, body) = balls();
-        let back = LogCholesky::of(&body).unwrap().inertia();
+        let back = LogCholesky::from_inertia(&body).unwrap().inertia();
         // A logarithm, its exponential and a square: a few units in the last place of 2.5 kg.
         for (a, b) in body.to_array().iter().zip(back.to_array()) {
             assert!((a - b).abs() < 5e-15, "{a} against {b}");
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn analytic_coordinates_are_moments_of_the_mass() {
         let (balls, body) = balls();
-        let LogCholesky([alpha, d1, d2, d3, s12, s23, s13, t1, t2, t3]) = LogCholesky::of(&body).unwrap();
+        let LogCholesky([alpha, d1, d2, d3, s12, s23, s13, t1, t2, t3]) = LogCholesky::from_inertia(&body).unwrap();
         let mass: f64 = balls.iter().map(|(m, _)| m).sum();
         let com = balls.iter().map(|(m, c)| c * *m).sum::<Vector3<f64>>() / mass;
         assert!((libm::exp(2.0 * alpha) - mass).abs() < 1e-14);
@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn analytic_a_change_scales_mass_and_moves_the_centre_by_the_bodys_size() {
         let (_, body) = balls();
-        let own = LogCholesky::of(&body).unwrap();
+        let own = LogCholesky::from_inertia(&body).unwrap();
         let moved = own.moved(&LogCholesky([0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.3]));
         assert!((moved.mass - body.mass * libm::exp(0.2)).abs() < 1e-14);
         // Along the third axis: 0.3 times the last column of L = (s13, s23, e^d3).
@@ -152,6 +152,6 @@ mod tests {
     #[test]
     fn what_cannot_exist_has_no_coordinates() {
         let flat = Inertia::from_com(1.0, Vector3::zeros(), Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 3.0)));
-        assert!(matches!(LogCholesky::of(&flat), Err(InertiaError::NotPositiveDefinite { .. })));
+        assert!(matches!(LogCholesky::from_inertia(&flat), Err(InertiaError::NotPositiveDefinite { .. })));
     }
 }

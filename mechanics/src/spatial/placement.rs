@@ -44,7 +44,7 @@ impl Placement {
         Self { rotation: Matrix3::identity(), translation: Vector3::zeros() }
     }
 
-    /// From a rotation matrix and an origin.
+    /// The placement with a rotation matrix and an origin (m).
     pub const fn new(rotation: Matrix3<f64>, translation: Vector3<f64>) -> Self {
         Self { rotation, translation }
     }

@@ -51,8 +51,8 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// The five numbers of a sample; `None` of nothing.
-    pub fn of(values: &[f64]) -> Option<Self> {
+    /// The five numbers of a sample; `None` where it is empty.
+    pub fn new(values: &[f64]) -> Option<Self> {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
         Some(Self {

@@ -8,6 +8,8 @@
 //! Acceleration is continuous and at most `15/8 · |v_{k+1} − v_k| / B`. There and back at one speed for one time is the
 //! plain case: the reversal between them leaves the joint where it met it, so both segments cover the same positions.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use super::curve::Curve;
@@ -140,12 +142,12 @@ impl ConstantSpeedTrajectory {
     }
 
     /// When each segment begins and ends within the period, s.
-    pub fn segments(&self) -> Vec<(f64, f64)> {
+    pub fn segments(&self) -> Vec<Range<f64>> {
         let mut begin = 0.0;
         let span = |&d: &f64| {
             let here = begin;
             begin += d + self.change_s;
-            (here, here + d)
+            here..here + d
         };
         self.stretch_s.iter().map(span).collect()
     }
@@ -284,8 +286,8 @@ mod tests {
         }
         let (start, end) = (at(0.0), at(motion.period_s() - 1e-12));
         assert!((start[0][0] - end[0][0]).abs() < 1e-9 && (start[1][0] - end[1][0]).abs() < 1e-9);
-        for (begin, end) in motion.segments() {
-            assert_eq!(at(begin + 1e-6)[1], at(end - 1e-6)[1]);
+        for segment in motion.segments() {
+            assert_eq!(at(segment.start + 1e-6)[1], at(segment.end - 1e-6)[1]);
         }
     }
 

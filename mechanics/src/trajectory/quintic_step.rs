@@ -14,9 +14,9 @@
 /// ```
 /// # use armid_mechanics as armid;
 /// use armid::trajectory::QuinticStep;
-/// let half = QuinticStep::at(0.5);
+/// let half = QuinticStep::evaluate(0.5);
 /// assert_eq!((half.value, half.slope, half.curvature), (0.5, 1.875, 0.0));
-/// assert_eq!(QuinticStep::at(1.0).integral, 0.5);
+/// assert_eq!(QuinticStep::evaluate(1.0).integral, 0.5);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuinticStep {
@@ -31,8 +31,8 @@ pub struct QuinticStep {
 }
 
 impl QuinticStep {
-    /// At `u`, taken as 0 below 0 and as 1 above 1.
-    pub fn at(u: f64) -> Self {
+    /// S and its derivatives at `u`, which is taken as 0 below 0 and as 1 above 1.
+    pub fn evaluate(u: f64) -> Self {
         let u = u.clamp(0.0, 1.0);
         let cube = u * u * u;
         let rest = (1.0 - u) * (1.0 - u);
@@ -54,7 +54,8 @@ mod tests {
         let h = 1e-5;
         for k in 1..20 {
             let u = 0.05 * f64::from(k);
-            let (before, here, after) = (QuinticStep::at(u - h), QuinticStep::at(u), QuinticStep::at(u + h));
+            let (before, here, after) =
+                (QuinticStep::evaluate(u - h), QuinticStep::evaluate(u), QuinticStep::evaluate(u + h));
             let slope = |of: fn(&QuinticStep) -> f64| (of(&after) - of(&before)) / (2.0 * h);
             // Central differences: h²/6 times a derivative of at most 360.
             assert!((slope(|step| step.integral) - here.value).abs() < 1e-8);
@@ -65,10 +66,10 @@ mod tests {
 
     #[test]
     fn analytic_ends_and_beyond() {
-        for below in [QuinticStep::at(0.0), QuinticStep::at(-1.0)] {
+        for below in [QuinticStep::evaluate(0.0), QuinticStep::evaluate(-1.0)] {
             assert_eq!((below.integral, below.value, below.slope, below.curvature), (0.0, 0.0, 0.0, 0.0));
         }
-        for above in [QuinticStep::at(1.0), QuinticStep::at(7.0)] {
+        for above in [QuinticStep::evaluate(1.0), QuinticStep::evaluate(7.0)] {
             assert_eq!((above.integral, above.value, above.slope, above.curvature.abs()), (0.5, 1.0, 0.0, 0.0));
         }
     }

@@ -71,12 +71,12 @@ impl States {
     }
 
     /// Positions, velocities and accelerations of sample `k`, n each.
-    pub fn at(&self, k: usize) -> [&[f64]; 3] {
+    pub fn sample(&self, k: usize) -> [&[f64]; 3] {
         [self.q(k), self.qd(k), self.qdd(k)]
     }
 
-    /// Those of [`at`](Self::at), to write.
-    pub fn at_mut(&mut self, k: usize) -> [&mut [f64]; 3] {
+    /// What [`sample`](Self::sample) returns, to write.
+    pub fn sample_mut(&mut self, k: usize) -> [&mut [f64]; 3] {
         let n = self.dof;
         [&mut self.q, &mut self.qd, &mut self.qdd].map(|x| &mut x[k * n..(k + 1) * n])
     }

@@ -114,7 +114,7 @@ impl Timeline {
             Segment::RampOut => (1.0 - part, -1.0),
         };
         let ramp_s = self.length_s(segment);
-        let step = QuinticStep::at(u);
+        let step = QuinticStep::evaluate(u);
         let path_s = mirror * (ramp_s * (step.integral - 0.5));
         PathPoint {
             path_s,

@@ -173,15 +173,6 @@ impl Document {
         })
     }
 
-    /// The figures as separate files: name with extension, content.
-    ///
-    /// # Errors
-    /// [`DocumentError::DuplicateFigure`] where two figures have one name.
-    pub fn svg_files(&self) -> Result<Vec<(String, &str)>, DocumentError> {
-        self.check_names()?;
-        Ok(self.figures().map(|figure| (format!("{}.svg", figure.name), figure.svg.as_str())).collect())
-    }
-
     /// The figures for a sheet as files: name with extension, content. On paper, each is an SVG and a PDF.
     ///
     /// # Errors

@@ -28,7 +28,7 @@ impl Drawing {
         self.canvas.svg(&self.heading, self.sheet)
     }
 
-    /// As files, name with extension and content: SVG, and PDF beside it on paper.
+    /// The drawing as files, name with extension and content: SVG, and PDF beside it on paper.
     ///
     /// # Errors
     /// [`FigureError::Backend`] if the writer refuses a shape.

@@ -50,7 +50,7 @@ impl Plot {
         self.area.bottom - self.y.fraction(value) * self.area.height()
     }
 
-    pub(crate) fn at(&self, x: f64, y: f64) -> (f64, f64) {
+    pub(crate) fn xy(&self, x: f64, y: f64) -> (f64, f64) {
         (self.x_at(x), self.y_at(y))
     }
 

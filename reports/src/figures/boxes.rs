@@ -25,7 +25,7 @@ use crate::style::Group;
 ///     groups: Group::assign(["condition"]),
 ///     rows: vec![BoxRow {
 ///         label: "torque".into(),
-///         cells: vec![Some(Distribution::of(Quantiles { low: 0.1, q1: 0.2, median: 0.25, q3: 0.3, high: 0.5 }))],
+///         cells: vec![Some(Distribution::from_quantiles(Quantiles { low: 0.1, q1: 0.2, median: 0.25, q3: 0.3, high: 0.5 }))],
 ///     }],
 ///     levels: vec![],
 /// };
@@ -67,15 +67,8 @@ pub struct Distribution {
 
 impl Distribution {
     /// A box without points.
-    pub fn of(quantiles: Quantiles) -> Self {
+    pub fn from_quantiles(quantiles: Quantiles) -> Self {
         Self { quantiles: Some(quantiles), points: Vec::new() }
-    }
-
-    /// Returns this distribution with points.
-    #[must_use]
-    pub fn with_points(mut self, points: Vec<f64>) -> Self {
-        self.points = points;
-        self
     }
 
     fn values(&self) -> impl Iterator<Item = f64> + '_ {

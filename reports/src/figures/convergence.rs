@@ -138,14 +138,14 @@ impl Figure for ConvergenceFigure {
         for (panel, plot) in self.panels.iter().zip(&plots) {
             let many = panel.curves.len() > 12;
             for curve in &panel.curves {
-                let corners: Vec<(f64, f64)> = steps(&curve.points).into_iter().map(|(x, y)| plot.at(x, y)).collect();
+                let corners: Vec<(f64, f64)> = steps(&curve.points).into_iter().map(|(x, y)| plot.xy(x, y)).collect();
                 let width = if many { 0.75 * curve.style.width_px } else { curve.style.width_px };
                 let ink = Ink::new(curve.style.colour, width).faint(if many { 0.7 } else { 0.9 });
                 canvas.dashed(&visible(&corners), curve.style.dash.pattern(), ink);
             }
             for curve in &panel.curves {
                 if let Some(&(x, y)) = curve.points.last() {
-                    canvas.marker(curve.style.marker, plot.at(x, y), 4.0, curve.style.colour, 0.95);
+                    canvas.marker(curve.style.marker, plot.xy(x, y), 4.0, curve.style.colour, 0.95);
                 }
             }
         }

@@ -201,7 +201,7 @@ impl ScatterPanel {
                 Reference::X { value, .. } => canvas.dashed(&plot.vertical(*value), Dash::Dashed.pattern(), ink),
                 Reference::Y { value, .. } => canvas.dashed(&plot.horizontal(*value), Dash::Dashed.pattern(), ink),
                 Reference::Segment { from, to, .. } => {
-                    canvas.dashed(&[plot.at(from.0, from.1), plot.at(to.0, to.1)], segment_dash(fitted).pattern(), ink);
+                    canvas.dashed(&[plot.xy(from.0, from.1), plot.xy(to.0, to.1)], segment_dash(fitted).pattern(), ink);
                     fitted += 1;
                 }
             }
@@ -212,7 +212,7 @@ impl ScatterPanel {
             for point in &group.points {
                 if let Some((low, high)) = point.interval {
                     let bar = Ink::new(group.style.colour, 1.1);
-                    let (x, bottom) = plot.at(point.x, low);
+                    let (x, bottom) = plot.xy(point.x, low);
                     let top = plot.y_at(high);
                     canvas.line((x, bottom), (x, top), bar);
                     canvas.line((x - 3.0, bottom), (x + 3.0, bottom), bar);
@@ -222,12 +222,12 @@ impl ScatterPanel {
         }
         for group in &self.groups {
             if count > MANY && self.groups.len() == 1 {
-                let centres: Vec<(f64, f64)> = group.points.iter().map(|point| plot.at(point.x, point.y)).collect();
+                let centres: Vec<(f64, f64)> = group.points.iter().map(|point| plot.xy(point.x, point.y)).collect();
                 canvas.dots(&centres, 0.6 * radius, Ink::new(group.style.colour, 0.0).faint(opacity));
                 continue;
             }
             for point in &group.points {
-                let at = plot.at(point.x, point.y);
+                let at = plot.xy(point.x, point.y);
                 let [x, y] = [point.x, point.y].map(|value| significant(value, 4));
                 let draw = |canvas: &mut Canvas| {
                     canvas.marker(group.style.marker, at, radius, group.style.colour, opacity);
@@ -250,7 +250,7 @@ impl ScatterPanel {
             .flat_map(|group| &group.points)
             .flat_map(|point| {
                 let (low, high) = point.interval.unwrap_or((point.y, point.y));
-                [plot.at(point.x, point.y), plot.at(point.x, low), plot.at(point.x, high)]
+                [plot.xy(point.x, point.y), plot.xy(point.x, low), plot.xy(point.x, high)]
             })
             .collect();
         let area = &plot.area;

@@ -197,7 +197,7 @@ impl Figure for TimeSeriesFigure {
             }
             for line in &panel.lines {
                 let points: Vec<(f64, f64)> =
-                    line.times.iter().zip(&line.values).map(|(&time, &value)| plot.at(time, value)).collect();
+                    line.times.iter().zip(&line.values).map(|(&time, &value)| plot.xy(time, value)).collect();
                 let points = visible(&points);
                 canvas.dashed(&points, line.style.dash.pattern(), Ink::new(line.style.colour, line.style.width_px));
                 if let [only] = points[..] {

@@ -51,6 +51,6 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
 
 fn curve(input: &ReportInput, design: &StudyDesign) -> Curve {
     let family = &input.result.plan.designs[design.family].name;
-    let style = GroupStyle::of(family).unwrap_or_else(|| GroupStyle::nth(design.family));
+    let style = GroupStyle::for_name(family).unwrap_or_else(|| GroupStyle::nth(design.family));
     crate::design::curve(&criterion_in_words(family), style, &design.history)
 }

@@ -108,7 +108,7 @@ fn boxes(
         let family = result.findings().families.iter().find(|f| f.estimator == estimator && f.family == name)?;
         let s = spread(family)?;
         let (q1, q3) = (s.lower_quartile, s.upper_quartile);
-        Some(Distribution::of(Quantiles { low: s.low, q1, median: s.median, q3, high: s.high }))
+        Some(Distribution::from_quantiles(Quantiles { low: s.low, q1, median: s.median, q3, high: s.high }))
     };
     BoxFigure {
         heading,

@@ -82,7 +82,7 @@ fn curve(ratios: &LevelRatios) -> Vec<Interval> {
 
 /// A section with a figure of each effect and a row of each in a table, where a study has sizes of effects.
 pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentError> {
-    let all = EffectLevels::of(&input.result);
+    let all = EffectLevels::from_result(&input.result);
     let Some(first) = all.first() else { return Ok(None) };
     let reference = criterion_in_words(&first.reference);
     let mut section = Section::new("From which size of an effect on?").text(format!(

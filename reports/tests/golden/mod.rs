@@ -24,8 +24,8 @@ pub(crate) fn assert_golden(name: &str, found: &str) {
 /// The text of a page: cells and paragraphs between bars, and the SHA-256 of each figure.
 pub(crate) fn text_of(document: &Document) -> String {
     let (mut page, mut text) = (document.html().unwrap(), String::new());
-    for (name, svg) in document.svg_files().unwrap() {
-        page = page.replacen(svg, &format!("{name} {}", sha256(svg)), 1);
+    for figure in document.figures() {
+        page = page.replacen(&figure.svg, &format!("{}.svg {}", figure.name, sha256(&figure.svg)), 1);
     }
     let body = page.split_once("</style>").unwrap().1;
     let body = body.split_once("<script>").unwrap().0;

@@ -191,7 +191,7 @@ impl Agreement {
             }
         };
         for own in &self.engines {
-            let tolerance = Tolerance::of(own.engine);
+            let tolerance = Tolerance::for_engine(own.engine);
             judge(own.engine, "order of convergence", own.order, tolerance.order);
             judge(own.engine, "torque residual", Some(own.equations), (0.0, tolerance.equations));
             judge(own.engine, "error of free motion", Some(own.free), (0.0, tolerance.free));
@@ -199,7 +199,7 @@ impl Agreement {
         }
         for pair in &self.pairs {
             let (first, second) = pair.engines;
-            let allowed = Tolerance::of(first).closed_loop + Tolerance::of(second).closed_loop;
+            let allowed = Tolerance::for_engine(first).closed_loop + Tolerance::for_engine(second).closed_loop;
             judge(
                 second,
                 &format!("distance to {} in the closed loop", first.name()),

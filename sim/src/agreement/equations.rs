@@ -28,7 +28,7 @@ pub(super) fn residual(
         let mut tau = vec![0.0; q.len()];
         dynamics.inverse(&q, &qd, &qdd, &mut tau);
         let size = tau.iter().fold(f64::MIN_POSITIVE, |size, tau| size.max(tau.abs()));
-        for residual in engine.torque_residual(robot, parameters, (&q, &qd, &qdd), &tau)? {
+        for residual in engine.torque_residual(robot, parameters, &q, &qd, &qdd, &tau)? {
             // NaN must not be lost on the way.
             let ratio = residual.abs() / size;
             most = if ratio <= most { most } else { ratio };

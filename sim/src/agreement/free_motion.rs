@@ -91,7 +91,7 @@ impl<'a> FreeMotion<'a> {
             .map(|run| {
                 let (q, qd) = draw_state(robot, &mut seed.stream("agreement starts", run));
                 let [coarse, reference] = [REFERENCE_STEPS / 2, REFERENCE_STEPS]
-                    .map(|steps| reference::trajectory(robot, parameters, (&q, &qd), INTERVAL, POINTS, steps));
+                    .map(|steps| reference::trajectory(robot, parameters, &q, &qd, INTERVAL, POINTS, steps));
                 reference_error = reference_error.max(distance(&coarse, &reference));
                 travel = travel.max(distance(&vec![q.clone(); POINTS + 1], &reference));
                 Start { q, qd, reference }

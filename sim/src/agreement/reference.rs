@@ -8,7 +8,8 @@ use armid::model::{Robot, StandardParameters};
 pub(super) fn trajectory(
     robot: &Robot,
     parameters: &StandardParameters,
-    (q, qd): (&[f64], &[f64]),
+    q: &[f64],
+    qd: &[f64],
     interval: f64,
     points: usize,
     steps: usize,

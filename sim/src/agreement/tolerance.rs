@@ -19,7 +19,7 @@ pub struct Tolerance {
 
 impl Tolerance {
     /// What is asked of this engine.
-    pub const fn of(engine: Engine) -> Self {
+    pub const fn for_engine(engine: Engine) -> Self {
         match engine {
             // Order 4, measured 3.988 to 3.992 from 16 ms down to where rounding begins. Equations differ by rounding
             // through a mass matrix: 2e-15. At 1 ms the error is 7e-12 of the way and the energy's 8e-12 at most; both

@@ -108,7 +108,7 @@ struct Motors<const N: usize> {
 
 impl<const N: usize> Forces<N> {
     pub(crate) fn new(robot: &Robot, parameters: &StandardParameters) -> Self {
-        let columns = Columns::default().and_those_of(parameters);
+        let columns = Columns::default().with_terms_of(parameters);
         let banks = |at_motors: bool| -> Vec<Bank<N>> {
             let terms = columns.terms().filter(|term| !term.is_inertia() && term.is_motors() == at_motors);
             terms.map(|term| Bank::new(robot, parameters, term)).collect()

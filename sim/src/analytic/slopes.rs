@@ -44,7 +44,7 @@ pub(crate) fn sloped_arm(
 ) -> Result<Box<dyn SlopedArm>, AnalyticError> {
     // All checks are those of the plant.
     let dof = AnalyticPlant::new(robot, parameters)?.dof();
-    let columns = by.iter().filter_map(|id| id.kind.term()).fold(Columns::RIGID, |columns, term| columns.with(term));
+    let columns = by.iter().filter_map(|id| id.kind.term()).fold(Columns::RIGID, Columns::with_term);
     let beyond = |_| columns.beyond_motion().map_or_else(String::new, |term| term.symbol().to_owned());
     let regressor = JointTorqueRegressor::new(robot, columns);
     let regressor = regressor.map_err(|fault| AnalyticError::Derivative { parameter: beyond(fault) })?;

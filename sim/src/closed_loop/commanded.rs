@@ -11,7 +11,8 @@ use std::ops::Range;
 
 use armid::dynamics::States;
 use armid::estimation::{
-    ClosedLoop, ClosedLoopError, ClosedLoopMotion, ClosedLoopSlopes, CommandedLoop, PositionServo, ServoPart, between,
+    ClosedLoop, ClosedLoopError, ClosedLoopMotion, ClosedLoopSlopes, CommandedLoop, PositionServo, ServoPart,
+    interpolate,
 };
 use armid::experiment::{DivergenceError, Plant};
 use armid::model::term::VISCOUS;
@@ -256,7 +257,7 @@ impl<'a> Walk<'a> {
         let row = (self.step as f64 + ahead) / self.log.steps as f64 - self.later;
         for i in 0..n {
             let kp = self.servo.kp[i];
-            let (command, rise) = between(&self.log.commands, n, i, row);
+            let (command, rise) = interpolate(&self.log.commands, n, i, row);
             let error = command + self.zero[i] - (q[i] + h * v[i]);
             self.tau[i] = kp * error;
             for j in i * d..(i + 1) * d {

@@ -29,7 +29,7 @@ pub(super) struct TermForces {
 
 impl TermForces {
     pub(super) fn new(robot: &Robot, parameters: &StandardParameters) -> Self {
-        let columns = Columns::default().and_those_of(parameters);
+        let columns = Columns::default().with_terms_of(parameters);
         let terms: Vec<(PlacedTerm, f64)> = TorqueTerms::new(robot, columns)
             .placed()
             .into_iter()
@@ -98,6 +98,6 @@ impl TermForces {
             swing += d.abs() * change[joint];
         }
         let closest = (v.abs() - swing).max(0.0);
-        value.abs() * term.slopes(term.along(q), closest)[1].max(0.0)
+        value.abs() * term.slopes(term.project(q), closest)[1].max(0.0)
     }
 }

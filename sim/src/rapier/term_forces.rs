@@ -23,7 +23,7 @@ pub(super) struct TermForces {
 impl TermForces {
     pub(super) fn new(robot: &Robot, parameters: &StandardParameters) -> Result<Self, RapierError> {
         check_simulable(robot, parameters)?;
-        let columns = Columns::default().and_those_of(parameters);
+        let columns = Columns::default().with_terms_of(parameters);
         let terms = TorqueTerms::new(robot, columns).placed().into_iter().filter(|term| !term.term.is_inertia());
         let terms = terms.map(|term| {
             let value = parameters.get(term.parameter);
@@ -38,7 +38,7 @@ impl TermForces {
         damping.fill(0.0);
         for (term, value) in &self.terms {
             term.add_torque(*value, q, qd, torque);
-            let slope = value * term.slopes(term.along(q), term.along(qd))[1];
+            let slope = value * term.slopes(term.project(q), term.project(qd))[1];
             let sum: f64 = term.direction.iter().map(|&(_, d)| d.abs()).sum();
             for &(joint, d) in &term.direction {
                 // A negative coefficient is not made implicit: that would take stability away.

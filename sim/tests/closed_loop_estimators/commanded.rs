@@ -147,7 +147,7 @@ fn identity_known_servos_and_their_commands_give_the_arm() {
     let known = truth();
     for kind in [EstimatorKind::Cloe, EstimatorKind::Clie] {
         // A zero that is known is in the positions.
-        let samples = encoders.restated(&samples(&arm, &encoders, 2), &known);
+        let samples = encoders.restated_samples(&samples(&arm, &encoders, 2), &known);
         let reference = ClosedLoopReference::Commands(&known, std::slice::from_ref(&samples));
         let observation = Observation::new(&arm.robot, &arm.regressor, &arm.base, &samples).unwrap();
         let of = closed_loop(&arm.robot, &arm.nominal, reference).unwrap();

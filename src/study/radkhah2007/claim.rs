@@ -39,7 +39,7 @@ impl Quantity {
         Self { name: name.into(), value, interval: None, samples }
     }
 
-    /// With its interval.
+    /// Adds its interval.
     #[must_use]
     pub const fn with_interval(mut self, interval: Option<Interval>) -> Self {
         self.interval = interval;

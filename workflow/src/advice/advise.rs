@@ -39,7 +39,7 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
             assumptions = file.assumptions;
             "robot.toml".to_owned()
         }
-        None if robot::named(&settings.robot).is_ok() => settings.robot.clone(),
+        None if robot::find(&settings.robot).is_ok() => settings.robot.clone(),
         None => {
             let path = Path::new(&settings.robot);
             std::path::absolute(path).map_err(|error| Error::unreadable(path, &error))?.display().to_string()
@@ -56,7 +56,7 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
         arms: settings.arms,
         seed: settings.seed,
     };
-    let plan = made.plan().map_err(Error::of)?;
+    let plan = made.plan().map_err(Error::new)?;
     let study = StudySettings {
         output: folder.to_path_buf(),
         beside: Some(folder.to_path_buf()),
@@ -141,9 +141,9 @@ fn candidates(folder: &Path, result: &StudyResult, settings: &AdviceSettings) ->
                 let runs = own().filter(|run| condition.is_none_or(|condition| run.condition == condition));
                 runs.filter_map(|run| run.value).collect::<Vec<f64>>()
             };
-            let Some(error) = Spread::of(&of(None)) else { continue };
+            let Some(error) = Spread::new(&of(None)) else { continue };
             let levels = result.conditions.iter().map(|condition| &condition.condition.name);
-            let by_level = levels.filter_map(|name| Some((name.clone(), Spread::of(&of(Some(name)))?))).collect();
+            let by_level = levels.filter_map(|name| Some((name.clone(), Spread::new(&of(Some(name)))?))).collect();
             let (design, estimator) = (design.name.clone(), estimator.clone());
             all.push((Candidate { design, estimator, error, over_best: None, by_level }, by_arm(own())));
         }

@@ -31,7 +31,7 @@ pub struct AdviceSettings {
 }
 
 impl AdviceSettings {
-    /// For a robot, with the defaults of the command.
+    /// The settings for a robot, with the defaults of the command.
     pub fn new(robot: impl Into<String>, output: impl Into<PathBuf>) -> Self {
         Self {
             robot: robot.into(),

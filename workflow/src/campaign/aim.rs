@@ -67,8 +67,8 @@ impl Aim {
                 (id.kind.unit(loaded.robot.joints()[id.index].kind), Measure::Parameter(place))
             }
             Quantity::Torque => {
-                let regressor = JointTorqueRegressor::new(&loaded.robot, columns).map_err(Error::of)?;
-                let motions = EvaluationMotions::usual(&loaded.robot).map_err(Error::of)?;
+                let regressor = JointTorqueRegressor::new(&loaded.robot, columns).map_err(Error::new)?;
+                let motions = EvaluationMotions::default_for(&loaded.robot).map_err(Error::new)?;
                 (
                     loaded.robot.joints()[0].kind.effort_unit(),
                     Measure::Torque(motions.gram(&loaded.robot, &regressor, base)),
@@ -113,8 +113,10 @@ impl Aim {
             }
             Measure::Payload { symbol, base, without } => {
                 let shown = |with: &Estimate| {
-                    let found = payload(base, without, with).map_err(Error::of)?;
-                    Ok::<_, Error>(found.parameters.into_iter().find(|of| of.name == *symbol).and_then(|of| of.shown))
+                    let found = payload(base, without, with).map_err(Error::new)?;
+                    let below = found.negative_mass.filter(|_| *symbol == ParameterKind::M.symbol()).map(|of| of.free);
+                    let parameter = found.parameters.into_iter().find(|of| of.name == *symbol);
+                    Ok::<_, Error>(parameter.and_then(|of| of.shown).or(below))
                 };
                 let quiet = error + noise * QUIET;
                 let rows = quiet.row_iter().map(|row| row.iter().copied().collect()).collect();

@@ -34,7 +34,7 @@ impl Round {
         let mut round = Self { number, folder, seconds: 0.0 };
         if round.experiment().is_file() {
             let planned = experiment::load(&round.experiment().to_string_lossy())?;
-            round.seconds = planned.plan.duration_s().map_err(Error::of)?;
+            round.seconds = planned.plan.duration_s().map_err(Error::new)?;
         }
         Ok(round)
     }
@@ -83,12 +83,12 @@ impl Round {
         }
         table.insert("seed".to_owned(), Value::Integer(settings.seed as i64));
         table.insert("run".to_owned(), Value::Integer(self.number as i64));
-        let text = toml::to_string(&table).map_err(Error::of)?;
+        let text = toml::to_string(&table).map_err(Error::new)?;
         // Before the file is there, it is read as any experiment is.
         let name = self.experiment().display().to_string();
         let planned = experiment::parse(Text::new(name, text.clone()), Some(&self.folder))?;
-        planned.plan.check_limits(&planned.robot.robot).map_err(Error::of)?;
-        self.seconds = planned.plan.duration_s().map_err(Error::of)?;
+        planned.plan.check_limits(&planned.robot.robot).map_err(Error::new)?;
+        self.seconds = planned.plan.duration_s().map_err(Error::new)?;
         write_text(&self.experiment(), &text)
     }
 

@@ -106,7 +106,7 @@ fn shown_effects(estimate: &Estimate) -> Effects {
     estimate.findings.iter().fold(Effects::none(), |all, finding| match finding {
         Finding::EffectShown { effect, size, .. } => match EffectKind::parse(effect) {
             Some(kind) if Effects::EXPECTABLE.contains(&kind) && *size > 0.0 => {
-                all.with(kind, size.min(kind.entry().most))
+                all.with_effect(kind, size.min(kind.entry().most))
             }
             _ => all,
         },

@@ -159,7 +159,7 @@ fn experiment_of(name: &str) -> Result<Option<(Text, Table)>, Error> {
 
 /// What a robot is called from any folder.
 fn lasting_name(name: &str, beside: Option<&Path>) -> Result<String, Error> {
-    if robot::named(name).is_ok() {
+    if robot::find(name).is_ok() {
         return Ok(name.to_owned());
     }
     let path = beside.map_or_else(|| PathBuf::from(name), |folder| folder.join(name));

@@ -75,7 +75,7 @@ impl Campaign {
         }
         let campaign = Self::of(settings, folder)?;
         if !place.is_file() {
-            write_text(&place, &toml::to_string(&campaign.settings).map_err(Error::of)?)?;
+            write_text(&place, &toml::to_string(&campaign.settings).map_err(Error::new)?)?;
         }
         Ok(campaign)
     }
@@ -95,7 +95,7 @@ impl Campaign {
         let named =
             text("robot").ok_or_else(|| Error::new("the experiment of a campaign names no robot, expected one"))?;
         let loaded = robot::load(&named, &ends, Some(folder))?;
-        let columns = Columns::parse_estimable(&settings.columns).map_err(Error::of)?;
+        let columns = Columns::parse_estimable(&settings.columns).map_err(Error::new)?;
         let base = reduce(&loaded.robot, columns, Method::Structural, Seed::new(0))
             .map_err(|error| Error::new(format!("robot \"{}\": {error}", loaded.robot.name())))?;
         let without = settings.without.as_deref().map(read).transpose()?;
@@ -233,7 +233,7 @@ impl Campaign {
             alike.extend(log.clone().filter(is_alike));
         }
         alike.push(last.clone());
-        let mut all = ProcessedLog::joined(alike)?;
+        let mut all = ProcessedLog::join(alike)?;
         (all.samples.noise, all.samples.torque_covariance) = (None, None);
         Ok(all)
     }

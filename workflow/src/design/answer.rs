@@ -94,7 +94,7 @@ impl DesignAnswer {
         let robot = self.problem.robot().name();
         let joints: Vec<String> = self.problem.robot().joints().iter().map(|joint| joint.name.clone()).collect();
         let example =
-            LimitExample::of(self.problem.robot(), self.problem.limits().nominal.as_ref(), &self.best.trajectory);
+            LimitExample::new(self.problem.robot(), self.problem.limits().nominal.as_ref(), &self.best.trajectory);
         let heading = Heading::new("limits", format!("{robot}: the design against its limits"))
             .subtitle(format!("one period, optimised for {}", self.best.criterion));
         let convergence = design_convergence(robot, &self.designs, self.baseline.as_ref());

@@ -34,7 +34,7 @@ pub fn design(
     let Found { designs, baseline, interrupted } = search(&problem, settings, observer)?;
     let seconds = began.elapsed().as_secs_f64();
     let Some(best) = best_of(&designs).or_else(|| nearest_of(&designs)).cloned() else { return Ok(None) };
-    let gain = Gain::of(&problem, &best, settings.prior.len()).map_err(Error::of)?;
+    let gain = Gain::of(&problem, &best, settings.prior.len()).map_err(Error::new)?;
     let load = match &settings.goal {
         DesignGoal::Load(load) => Some(*load),
         DesignGoal::Arm(_) => None,

@@ -23,20 +23,20 @@ pub(super) fn problem(loaded: &LoadedRobot, settings: &DesignSettings) -> Result
     let robot = settings.robot(loaded)?;
     let nominal = loaded.guess();
     let mut limits =
-        DesignLimits::of(&robot, nominal, loaded.uncertainty.as_ref(), &settings.limits).map_err(Error::of)?;
+        DesignLimits::for_robot(&robot, nominal, loaded.uncertainty.as_ref(), &settings.limits).map_err(Error::new)?;
     if let DesignGoal::Load(load) = &settings.goal {
         limits.payload = Some(load.body()?);
     }
     let criterion = criterion(&settings.goal, &robot, settings.columns)?;
-    let mut problem = DesignProblem::new(robot, settings.columns, criterion, limits).map_err(Error::of)?;
-    problem.set_space(space(settings, problem.robot())?).map_err(Error::of)?;
+    let mut problem = DesignProblem::new(robot, settings.columns, criterion, limits).map_err(Error::new)?;
+    problem.set_space(space(settings, problem.robot())?).map_err(Error::new)?;
     let iterations = settings.iterations.unwrap_or(usize::MAX);
     let budget = DesignBudget { evaluations: settings.evaluations, iterations, ..DesignBudget::default() };
-    problem.set_budget(budget).map_err(Error::of)?;
+    problem.set_budget(budget).map_err(Error::new)?;
     // A load is estimated with rows that are weighted by their noise.
     let is_of_load = matches!(settings.goal, DesignGoal::Load(_));
     if settings.weighted || (is_of_load && effort_noise(problem.robot()).is_ok()) {
-        problem.set_noise(effort_noise(problem.robot())?).map_err(Error::of)?;
+        problem.set_noise(effort_noise(problem.robot())?).map_err(Error::new)?;
     }
     if let DesignGoal::Arm(criterion) = &settings.goal {
         declare_use(&**criterion, settings, loaded, &mut problem)?;
@@ -91,7 +91,7 @@ fn criterion(goal: &DesignGoal, robot: &Robot, columns: Columns) -> Result<Arc<d
     let DesignGoal::Arm(criterion) = goal else {
         let base = reduce(robot, columns, Method::Structural, Seed::new(0))
             .map_err(|error| Error::new(format!("robot \"{}\": {error}", robot.name())))?;
-        return match PayloadOptimal::of(&base) {
+        return match PayloadOptimal::new(&base) {
             Some(criterion) => Ok(Arc::new(criterion)),
             None => {
                 let name = robot.name();
@@ -122,8 +122,8 @@ fn declare_use(
         }
         let named = settings.predict.iter();
         let motions = named.map(|name| trajectory::load(name, None, problem.robot())).collect::<Result<_, Error>>()?;
-        let motions = EvaluationMotions::new(motions, problem.robot().dof()).map_err(Error::of)?;
-        problem.set_evaluation(motions).map_err(Error::of)?;
+        let motions = EvaluationMotions::new(motions, problem.robot().dof()).map_err(Error::new)?;
+        problem.set_evaluation(motions).map_err(Error::new)?;
     }
     if !expects_effects {
         return Ok(());
@@ -133,7 +133,7 @@ fn declare_use(
         return refused("a robot without nominal parameters", expected);
     };
     // Noise against bias: both in N·m.
-    problem.set_noise(effort_noise(problem.robot())?).map_err(Error::of)?;
+    problem.set_noise(effort_noise(problem.robot())?).map_err(Error::new)?;
     let robot = problem.robot();
     let rows = robot.dof() as f64 * settings.period_s * robot.servo().rate_hz * settings.periods as f64;
     let declared = settings.expected.clone();
@@ -141,8 +141,8 @@ fn declare_use(
     let expected = effects.expected(robot, nominal);
     let expected = expected.map_err(|error| Error::new(format!("expected effects: {error}")))?;
     let expected = ExpectedEffects { are_carried: criterion.predicts_measured_torque(), ..expected };
-    problem.set_rows(rows).map_err(Error::of)?;
-    problem.set_expected(expected).map_err(Error::of)
+    problem.set_rows(rows).map_err(Error::new)?;
+    problem.set_expected(expected).map_err(Error::new)
 }
 
 /// Standard deviation of one sample of each joint's effort by the noise of its current sensor.
@@ -156,7 +156,7 @@ fn effort_noise(robot: &Robot) -> Result<Vec<f64>, Error> {
                 joint.name
             );
             let help = Remedy::from("current_noise_a of a drive states it; ").perform(Task::Robot, "ROBOT");
-            let help = help.with(Setting::Output, "robot.toml").say(" begins a robot file");
+            let help = help.option(Setting::Output, "robot.toml").say(" begins a robot file");
             Err(Error::new(message).help(help))
         }
         None => Ok(noise),

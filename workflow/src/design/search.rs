@@ -38,11 +38,11 @@ pub(super) fn search(
         counted(&|| design_from(watched, trajectory).map_err(|error| Error::new(format!("{name}: {error}"))))
     });
     let drawn = (0..settings.starts).into_par_iter();
-    let begun = given.chain(drawn.map(|number| counted(&|| design(watched, seed, number).map_err(Error::of))));
+    let begun = given.chain(drawn.map(|number| counted(&|| design(watched, seed, number).map_err(Error::new))));
     let designs = begun.collect::<Result<Vec<Option<Design>>, Error>>()?;
     let designs: Vec<Design> = designs.into_iter().flatten().collect();
     let baseline = if settings.baseline && counter.goes_on() {
-        Some(random_design(watched, seed, 0).map_err(Error::of)?)
+        Some(random_design(watched, seed, 0).map_err(Error::new)?)
     } else {
         None
     };

@@ -33,7 +33,7 @@ pub struct HeaviestLoad {
 }
 
 impl HeaviestLoad {
-    /// As a body in the frame of the last link.
+    /// The load as a body in the frame of the last link.
     ///
     /// # Errors
     /// [`Error`] where the mass is not a finite number above zero or the centre is no point.
@@ -126,13 +126,13 @@ impl DesignSettings {
     pub(super) fn robot(&self, loaded: &LoadedRobot) -> Result<Robot, Error> {
         let mut robot = loaded.robot.clone();
         if let Some(acceleration) = self.max_acceleration {
-            robot = robot.with_joints(|joint| joint.limits.acceleration = acceleration).map_err(Error::of)?;
+            robot = robot.with_joints(|joint| joint.limits.acceleration = acceleration).map_err(Error::new)?;
         }
         if let Some(z) = self.keep_above_m {
             if !z.is_finite() {
                 return Err(Error::new(format!("the height to keep above is {z} m, expected a finite number")));
             }
-            robot = robot.with_obstacle(Obstacle::above("keep-above", z));
+            robot = robot.with_obstacle(Obstacle::everything_below("keep-above", z));
         }
         Ok(robot)
     }

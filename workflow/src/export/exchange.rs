@@ -54,10 +54,10 @@ impl Exchange {
 
     /// The terms that it has a place for, of a model that was estimated with some.
     pub(super) fn columns(self, estimated: Columns) -> Columns {
-        let friction = Columns::RIGID.with(VISCOUS).with(COULOMB);
+        let friction = Columns::RIGID.with_term(VISCOUS).with_term(COULOMB);
         match self {
             Self::Urdf => friction,
-            Self::Mjcf | Self::Isaac => friction.with(ROTOR),
+            Self::Mjcf | Self::Isaac => friction.with_term(ROTOR),
             Self::Toml | Self::Json | Self::Python => estimated,
         }
     }
@@ -67,7 +67,7 @@ impl Exchange {
         match self {
             Self::Urdf | Self::Mjcf | Self::Isaac => {
                 let plain = robot.clone().with_joints(|joint| joint.drive.coulomb_velocity = 0.0);
-                plain.map_err(Error::of)
+                plain.map_err(Error::new)
             }
             Self::Toml | Self::Json | Self::Python => Ok(robot.clone()),
         }
@@ -116,7 +116,7 @@ impl Exchange {
         }
         let text = match self {
             Self::Urdf => write_urdf(robot, parameters, header),
-            Self::Mjcf => armid_sim::mjcf_for_exchange(robot, parameters, header).map_err(Error::of)?,
+            Self::Mjcf => armid_sim::mjcf_for_exchange(robot, parameters, header).map_err(Error::new)?,
             Self::Toml => write_parameters(robot, parameters, header),
             Self::Json => parameter_map(robot, parameters),
             Self::Isaac | Self::Python => {
@@ -165,7 +165,7 @@ impl Exchange {
 
 /// Every parameter and every number of a law of friction by its name, as a JSON object.
 fn parameter_map(robot: &Robot, parameters: &StandardParameters) -> String {
-    let ids = Columns::RIGID_ROTOR_FRICTION.and_those_of(parameters).parameters(robot);
+    let ids = Columns::RIGID_ROTOR_FRICTION.with_terms_of(parameters).parameters(robot);
     let laws = law_map(robot, parameters).into_iter().map(|(name, value)| (name, value.into()));
     let map: Map<String, Value> =
         ids.into_iter().map(|id| (id.to_string(), parameters.get(id).into())).chain(laws).collect();
@@ -212,7 +212,7 @@ impl Reloaded {
         for drive in &mut found.drives {
             *drive = drive.only(|term| columns.has(term));
         }
-        let regressor = JointTorqueRegressor::new(robot, columns).map_err(Error::of)?;
+        let regressor = JointTorqueRegressor::new(robot, columns).map_err(Error::new)?;
         let phi = parameters.vector(robot, columns);
         let mut dynamics = Dynamics::new(read, &found);
         let torque = |q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]| dynamics.inverse(q, qd, qdd, tau);

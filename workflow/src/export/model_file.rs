@@ -142,7 +142,8 @@ struct Intervals {
 /// [`Error`] where the estimate is of another robot, no model of these terms explains the log, or the file does not read back; of
 /// [`ErrorKind::Interrupted`] where the observer ended the fit.
 pub fn export(
-    (estimate, name): (&Estimate, &str),
+    estimate: &Estimate,
+    name: &str,
     mut log: ProcessedLog,
     settings: &ExportSettings,
     observer: &dyn Observer,
@@ -242,7 +243,7 @@ impl Fitted<'_> {
     ) -> Result<Vec<Lacking>, Error> {
         let of = |columns: Columns| columns.parameters(self.robot).len();
         let terms = estimated.terms().filter(|term| !self.columns.has(*term));
-        let with = terms.map(|term| (term.entry().meaning, self.columns.with(term), self.robot));
+        let with = terms.map(|term| (term.entry().meaning, self.columns.with_term(term), self.robot));
         let mut candidates: Vec<(&'static str, Columns, &Robot)> =
             with.filter(|(_, columns, _)| of(*columns) > of(self.columns)).collect();
         let onset = |robot: &Robot| robot.joints().iter().any(|joint| joint.drive.coulomb_velocity > 0.0);
@@ -272,10 +273,9 @@ impl Fitted<'_> {
 
     fn compared(&self, log: &ProcessedLog, what: &'static str, richer: &Model<'_>) -> Result<Lacking, Error> {
         let error = PredictionError::of(&log.model_residual(richer, what)?).fit;
-        let named = |error: armid::estimation::EstimationError| Error::of(error);
         let states = &log.samples.states;
-        let own = Model { robot: self.robot, parameters: self.parameters }.predict(states).map_err(named)?;
-        let other = richer.predict(states).map_err(named)?;
+        let own = Model { robot: self.robot, parameters: self.parameters }.predict(states).map_err(Error::new)?;
+        let other = richer.predict(states).map_err(Error::new)?;
         let (n, count) = (log.samples.dof(), log.samples.len().max(1) as f64);
         let rms = |i: usize, of: &dyn Fn(usize) -> f64| -> f64 {
             ((0..log.samples.len()).map(|k| of(k * n + i).powi(2)).sum::<f64>() / count).sqrt()

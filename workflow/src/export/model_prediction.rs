@@ -1,6 +1,7 @@
 //! How well a model file predicts the log that it came from, next to the estimate.
 
-use armid::estimation::{RowShares, TorqueResidual};
+use armid::estimation::RowShares;
+use armid_io::log::LogResidual;
 use serde::Serialize;
 
 use crate::numbers::error_percent;
@@ -21,17 +22,17 @@ pub struct PredictionError {
 }
 
 impl PredictionError {
-    pub(crate) fn of((fit, held_out): &(TorqueResidual, Option<TorqueResidual>)) -> Self {
-        Self { fit: share(&fit.all), held_out: held_out.as_ref().map(|residual| share(&residual.all)) }
+    pub(crate) fn of(residual: &LogResidual) -> Self {
+        Self { fit: share(&residual.used.all), held_out: residual.held_out.as_ref().map(|part| share(&part.all)) }
     }
 
-    /// Of what is held out, or else of the fit.
+    /// The error of what is held out, or else of the fit.
     pub fn shown(&self) -> f64 {
         self.held_out.unwrap_or(self.fit)
     }
 }
 
-/// That of a file next to that of the estimate.
+/// The prediction error of a file next to that of the estimate.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct ModelPrediction {
     /// Of the file.

@@ -58,7 +58,8 @@ pub struct Recomputed {
 /// # Errors
 /// [`Error`] where the estimate is of another robot, lacks base parameters, or has terms that source code has not.
 pub fn export_source(
-    (estimate, name): (&Estimate, &str),
+    estimate: &Estimate,
+    name: &str,
     loaded: &LoadedRobot,
     language: Language,
     file: Option<PathBuf>,
@@ -71,7 +72,7 @@ pub fn export_source(
     if estimate.names() != base.names() {
         let fault = EstimationError::OtherBase { found: estimate.names(), expected: base.names() };
         let help =
-            Remedy::from("identify with every joint moving; ").perform(Task::Identify, "").with(Setting::List, "");
+            Remedy::from("identify with every joint moving; ").perform(Task::Identify, "").option(Setting::List, "");
         let help = help.say(" names the estimators of all parameters");
         return Err(Error::new(format!("{name}: {fault}")).help(help));
     }

@@ -13,7 +13,7 @@ pub fn advice(suspicion: &Suspicion, log: &ProcessedLog) -> Remedy {
         Some(first) if !first.is_empty() && mappings.all(|other| other == first) => {
             let typed = first.into_iter().enumerate();
             typed.fold(correction, |so_far, (k, mapping)| {
-                so_far.say(if k == 0 { ", so: " } else { " or: " }).to(Setting::Map, mapping)
+                so_far.say(if k == 0 { ", so: " } else { " or: " }).assign(Setting::Map, mapping)
             })
         }
         Some(_) | None => correction,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use armid::estimation::{Estimate, Estimator, EstimatorKind, FrictionSpeeds, Termination, candidate_terms};
 use armid::model::Columns;
 use armid::observer::Observer;
+use armid_io::log::LogResidual;
 use armid_io::{Error, Inputs, ProcessedLog};
 use armid_sim::closed_loop;
 
@@ -104,8 +105,9 @@ pub fn identify(
         if ended { Default::default() } else { (log.suspicions(columns)?, FileError::all(&log, &latch)) };
     let interrupted = ended || latch.has_ended();
     let identified = |estimate: Estimate| {
-        let (used, held_out) = log.residual(&estimate, NAME)?;
-        let verdict = Verdict::new(&estimate, (&used, held_out.as_ref()), (&log, &suspicions), &files);
+        let residual = log.residual(&estimate, NAME)?;
+        let verdict = Verdict::new(&estimate, &residual, &log, &suspicions, &files);
+        let LogResidual { used, held_out } = residual;
         Ok(Identified { expressions: log.expressions(&estimate, NAME)?, verdict, estimate, used, held_out })
     };
     let estimates = estimates.into_iter().map(identified).collect::<Result<Vec<_>, Error>>()?;
@@ -136,5 +138,5 @@ fn onset_by_servo(
 /// Those of these columns beside which the onset of Coulomb friction is looked for before terms are selected.
 fn basic(among: Columns) -> Columns {
     let known = Columns::RIGID_ROTOR_FRICTION;
-    among.terms().filter(|&term| known.has(term)).fold(Columns::RIGID, Columns::with)
+    among.terms().filter(|&term| known.has(term)).fold(Columns::RIGID, Columns::with_term)
 }

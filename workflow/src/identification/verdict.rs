@@ -1,10 +1,11 @@
 //! The first screen of an estimate: what it predicts, what the motion determines, and the one or two findings that matter.
 
 use armid::diagnosis::Suspicion;
-use armid::estimation::{Against, Estimate, Finding, TorqueResidual, Trend};
+use armid::estimation::{Against, Estimate, Finding, Trend};
 use armid::observer::Observer;
 use armid::remedy::{Remedy, Setting};
 use armid_io::ProcessedLog;
+use armid_io::log::LogResidual;
 use serde::Serialize;
 
 use super::advice::advice;
@@ -75,16 +76,16 @@ pub struct Advised {
 }
 
 impl Verdict {
-    /// Of an estimate with its residual, as [`ProcessedLog::residual`] has it, in a log with these suspicions; `files` are what model
-    /// files of the log would predict.
+    /// The verdict on an estimate with this residual in a log with these suspicions; `files` are what model files of the log would predict.
     pub(super) fn new(
         estimate: &Estimate,
-        (used, held_out): (&TorqueResidual, Option<&TorqueResidual>),
-        (log, suspicions): (&ProcessedLog, &[Suspicion]),
+        LogResidual { used, held_out }: &LogResidual,
+        log: &ProcessedLog,
+        suspicions: &[Suspicion],
         files: &[FileError],
     ) -> Self {
         let joints = log.joint_names();
-        let rows = &held_out.unwrap_or(used).all;
+        let rows = &held_out.as_ref().unwrap_or(used).all;
         let shares = joints.iter().zip(&rows.share);
         let shares = shares.filter_map(|(joint, share)| Some(JointShare { name: joint.clone(), share: (*share)? }));
         let is_doubtful = |finding: &&Finding| matches!(finding, Finding::PoorlyDetermined { .. });

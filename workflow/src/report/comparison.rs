@@ -71,7 +71,7 @@ fn origin(estimate: &Estimate) -> String {
 /// Names of the joints where a robot of that name is bundled, else their numbers: an estimate holds none.
 fn joint_names(estimate: &Estimate) -> Vec<String> {
     let count = estimate.residual_rms.len();
-    let known = robot::named(&estimate.robot).ok().map(|loaded| loaded.robot);
+    let known = robot::find(&estimate.robot).ok().map(|loaded| loaded.robot);
     match known.filter(|robot| robot.dof() == count) {
         Some(robot) => robot.joints().iter().map(|joint| joint.name.clone()).collect(),
         None => (1..=count).map(|number| format!("joint {number}")).collect(),
@@ -95,6 +95,6 @@ pub fn write_comparison(folder: &Path, first: &Path, second: &Path, sheet: Sheet
     };
     let page = write_document(folder, comparison_document(&input), sheet)?;
     let answer = ComparisonAnswer { page, labels: input.labels, comparison: input.comparison };
-    write_text(&folder.join("comparison.json"), &pretty(&serde_json::to_value(&answer).map_err(Error::of)?))?;
+    write_text(&folder.join("comparison.json"), &pretty(&serde_json::to_value(&answer).map_err(Error::new)?))?;
     Ok(answer)
 }

@@ -6,6 +6,7 @@ use armid::estimation::{Against, Estimate, ResidualTrends, TorqueResidual, Torqu
 use armid::model::Robot;
 use armid::observer::{Observer, Work};
 use armid::signal::Samples;
+use armid_io::log::LogResidual;
 use armid_io::recording::TorqueView;
 use armid_io::{Error, Inputs, ProcessedLog};
 use armid_reports::{
@@ -31,7 +32,8 @@ const GOOD: f64 = 0.1;
 /// [`armid_io::ErrorKind::Interrupted`] where the observer ended the work, before anything is written.
 pub fn write_estimate_report(
     folder: &Path,
-    (estimate, name): (&Estimate, &str),
+    estimate: &Estimate,
+    name: &str,
     log: &ProcessedLog,
     inputs: &Inputs,
     sheet: Sheet,
@@ -65,18 +67,18 @@ impl<'a> TorqueComparison<'a> {
     ///
     /// # Errors
     /// [`Error`] where the estimate is of another robot or of other parameters.
-    pub fn of((estimate, name): (&'a Estimate, &str), log: &'a ProcessedLog) -> Result<Self, Error> {
-        let (used, held_out) = log.residual(estimate, name)?;
-        Self::with_residual((estimate, name), log, (&used, held_out.as_ref()))
+    pub fn new(estimate: &'a Estimate, name: &str, log: &'a ProcessedLog) -> Result<Self, Error> {
+        Self::with_residual(estimate, name, log, &log.residual(estimate, name)?)
     }
 
     fn with_residual(
-        (estimate, name): (&'a Estimate, &str),
+        estimate: &'a Estimate,
+        name: &str,
         log: &'a ProcessedLog,
-        (used, held_out): (&TorqueResidual, Option<&TorqueResidual>),
+        LogResidual { used, held_out }: &LogResidual,
     ) -> Result<Self, Error> {
         let mut shares = vec![in_percent("rows of the fit", used, true), in_percent("all rows", used, false)];
-        shares.extend(held_out.map(|residual| in_percent("held out", residual, false)));
+        shares.extend(held_out.as_ref().map(|residual| in_percent("held out", residual, false)));
         let is_held_out = !log.held_out.is_empty();
         let parts = if is_held_out { &log.held_out[..1] } else { &log.parts[..1] };
         Ok(Self {
@@ -130,12 +132,11 @@ struct Page<'a> {
 impl Page<'_> {
     fn input(&self, inputs: &Inputs, steps: &Counter<'_>) -> Result<EstimateInput, Error> {
         steps.begin(self.name)?;
-        let (used, held_out) = self.prepared.residual(self.estimate, self.name)?;
+        let residual = self.prepared.residual(self.estimate, self.name)?;
         let expressions = self.prepared.expressions(self.estimate, self.name)?;
         let joints = self.prepared.joint_names();
         steps.begin(self.name)?;
-        let of = (self.estimate, self.name);
-        let torque = TorqueComparison::with_residual(of, self.prepared, (&used, held_out.as_ref()))?;
+        let torque = TorqueComparison::with_residual(self.estimate, self.name, self.prepared, &residual)?;
         let parameters = self.estimate.base.iter().zip(expressions).map(|(parameter, expression)| ParameterRow {
             name: parameter.name.clone(),
             expression,
@@ -159,10 +160,10 @@ impl Page<'_> {
                 self.estimate.estimator,
                 self.prepared.name()
             ),
-            verdict: self.verdict(&used, held_out.as_ref()),
+            verdict: self.verdict(&residual),
             joints,
             unit: torque.unit.to_owned(),
-            bandwidth_hz: used.bandwidth_hz,
+            bandwidth_hz: residual.used.bandwidth_hz,
             shares: torque.shares.clone(),
             traces: torque.traces(),
             traces_of: torque.rows().to_owned(),
@@ -180,10 +181,10 @@ impl Page<'_> {
     }
 
     /// The verdict with its reason.
-    fn verdict(&self, used: &TorqueResidual, held_out: Option<&TorqueResidual>) -> Vec<String> {
+    fn verdict(&self, LogResidual { used, held_out }: &LogResidual) -> Vec<String> {
         let bandwidth = used.bandwidth_hz;
         let poor = self.estimate.base.iter().filter(|p| 3.0 * p.std > p.value.abs()).count();
-        let first = match held_out.and_then(|residual| residual.all.total) {
+        let first = match held_out.as_ref().and_then(|residual| residual.all.total) {
             Some(total) if total <= GOOD => format!(
                 "The model **predicts** held-out torque: {} of it is left unexplained below {bandwidth} Hz, {} on \
                  the rows of the fit.",

@@ -76,7 +76,7 @@ pub(super) fn designs_from(folder: &Path, work: &mut FinishedWork, setup: &Study
 
 /// What makes the designs of a study.
 pub(super) fn make_designs() -> Remedy {
-    let help = Remedy::task(Task::Study, "STUDY").with(Setting::Stage, "designs").with(Setting::Output, "DIR");
+    let help = Remedy::task(Task::Study, "STUDY").option(Setting::Stage, "designs").option(Setting::Output, "DIR");
     help.say(" makes them")
 }
 

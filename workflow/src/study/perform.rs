@@ -23,7 +23,7 @@ use super::settings::StudySettings;
 /// [`Error`] where the study cannot be prepared, the folder holds another one, or a part or an early end is asked for of a study
 /// on several robots.
 pub fn perform(plans: &StudyPlans, settings: &StudySettings, observer: &dyn Observer) -> Result<StudyAnswer, Error> {
-    let threads = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build().map_err(Error::of)?;
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build().map_err(Error::new)?;
     match plans {
         StudyPlans::One(plan) => threads.install(|| perform_one(plan, settings, observer)),
         StudyPlans::OnRobots(plans) if settings.part == Part::default() && settings.until.is_none() => {
@@ -61,13 +61,13 @@ fn perform_one(plan: &StudyPlan, settings: &StudySettings, observer: &dyn Observ
 
 /// Starts of all families until a rule is met, and the study of those that were performed.
 fn perform_until(mut study: Performance<'_>, words: &str, settings: &StudySettings) -> Result<StudyAnswer, Error> {
-    let rule: StoppingRule = words.parse().map_err(Error::of)?;
+    let rule: StoppingRule = words.parse().map_err(Error::new)?;
     rule.families(&study.setup.plan).map_err(|error| match error {
         StudyPlanError::Family { found, families, .. } => {
             let until = Remedy::default().setting(Setting::Until);
             Error::new(format!("{until} is \"{found}\", expected one of the families: {}", families.join(", ")))
         }
-        other => Error::of(other),
+        other => Error::new(other),
     })?;
     let mut work = study.no_work()?;
     study.begin(&mut work, settings.resume)?;

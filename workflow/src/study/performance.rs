@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use armid::observer::{Observer, Work};
 use armid::provenance::sha256;
-use armid::study::{MeasuredMotions, RunId, RunOrder, StudyDesign, StudySetup};
+use armid::study::{MeasuredMotions, PlannedDesign, RunId, RunOrder, StudyDesign, StudySetup};
 use rayon::prelude::*;
 
 use armid_io::Error;
@@ -76,7 +76,7 @@ impl Performance<'_> {
 
     /// Which designs are wanted.
     fn wanted(&self) -> Vec<bool> {
-        self.setup.designs().iter().map(|&(_, start)| start < self.starts).collect()
+        self.setup.designs().iter().map(|design| design.start < self.starts).collect()
     }
 
     /// Does the run at a position belong to this part and to the designs that are wanted?
@@ -93,7 +93,7 @@ impl Performance<'_> {
         let mine = missing(&work);
         let work = Mutex::new(work);
         self.make_designs(mine, &work)?;
-        Ok(missing(&work.into_inner().map_err(Error::of)?).is_empty())
+        Ok(missing(&work.into_inner().map_err(Error::new)?).is_empty())
     }
 
     /// Makes the designs, where it is not the stage of the runs alone, and performs the runs that are missing; of the whole
@@ -111,7 +111,7 @@ impl Performance<'_> {
         }
         let work = Mutex::new(work);
         self.make_designs(missing, &work)?;
-        let designs = work.lock().map_err(Error::of)?.designs().iter().cloned().collect::<Option<Vec<MadeDesign>>>();
+        let designs = work.lock().map_err(Error::new)?.designs().iter().cloned().collect::<Option<Vec<MadeDesign>>>();
         let Some(made) = designs else { return Ok(None) };
         let mut rows = if self.part.is_whole() {
             let seconds: Vec<f64> = made.iter().map(|made| made.seconds).collect();
@@ -125,7 +125,7 @@ impl Performance<'_> {
         }
         let numbers = rows.map(RowFiles::finish).transpose()?;
         let stored = (self.order.clone(), (0..made.len()).collect());
-        Ok(Some(Performed { designs: made, work: work.into_inner().map_err(Error::of)?, numbers, stored }))
+        Ok(Some(Performed { designs: made, work: work.into_inner().map_err(Error::new)?, numbers, stored }))
     }
 
     /// Makes the designs that are wanted and performs their runs; `None` where interrupted.
@@ -135,12 +135,12 @@ impl Performance<'_> {
         let missing = (0..made.len()).filter(|&index| wanted[index] && made[index].is_none()).collect();
         let work = Mutex::new(work);
         self.make_designs(missing, &work)?;
-        let designs = work.lock().map_err(Error::of)?.designs().to_vec();
+        let designs = work.lock().map_err(Error::new)?.designs().to_vec();
         if (0..designs.len()).any(|index| wanted[index] && designs[index].is_none()) {
             return Ok(None);
         }
         let complete = self.perform_runs(&designs, &work, None)?;
-        Ok(if complete { Some(work.into_inner().map_err(Error::of)?) } else { None })
+        Ok(if complete { Some(work.into_inner().map_err(Error::new)?) } else { None })
     }
 
     /// Makes the designs at these places.
@@ -149,15 +149,15 @@ impl Performance<'_> {
         let counter = Counter::new(self.observer, Work::Designs, missing.len());
         missing.into_par_iter().filter(|_| counter.goes_on()).try_for_each(|index| -> Result<(), Error> {
             let begin = Instant::now();
-            let ((family, start), latch) = (planned[index], Latch::new(self.observer));
-            let mut sequence = self.setup.designs_of_sequence(family, start, &latch).map_err(Error::of)?;
+            let (PlannedDesign { family, start }, latch) = (planned[index], Latch::new(self.observer));
+            let mut sequence = self.setup.designs_of_sequence(family, start, &latch).map_err(Error::new)?;
             if latch.has_ended() {
                 return Ok(());
             }
             let bound = self.bound(&sequence)?;
             let design = sequence.pop().ok_or_else(|| Error::new("a sequence without designs"))?;
             let made = MadeDesign { design, bound, seconds: begin.elapsed().as_secs_f64() };
-            work.lock().map_err(Error::of)?.keep_design(index, made)?;
+            work.lock().map_err(Error::new)?.keep_design(index, made)?;
             counter.add();
             Ok(())
         })
@@ -185,7 +185,7 @@ impl Performance<'_> {
         work: &Mutex<FinishedWork>,
         mut rows: Option<&mut RowFiles>,
     ) -> Result<bool, Error> {
-        let missing = self.missing(&*work.lock().map_err(Error::of)?);
+        let missing = self.missing(&*work.lock().map_err(Error::new)?);
         let counter = Counter::new(self.observer, Work::Runs, missing);
         let end = self.order.len();
         let wanted = self.wanted();
@@ -193,7 +193,7 @@ impl Performance<'_> {
         for from in (0..end).step_by(WINDOW) {
             let window = from..end.min(from + WINDOW);
             let planned: Vec<RunId> = {
-                let work = work.lock().map_err(Error::of)?;
+                let work = work.lock().map_err(Error::new)?;
                 let missing =
                     window.clone().filter(|&position| self.is_wanted(&wanted, position) && !work.holds(position));
                 missing.map(|position| self.order.id(position)).collect()
@@ -209,7 +209,7 @@ impl Performance<'_> {
                 break;
             }
         }
-        if self.missing(&*work.lock().map_err(Error::of)?) > 0 {
+        if self.missing(&*work.lock().map_err(Error::new)?) > 0 {
             return Ok(false);
         }
         write_rows(rows, written..end, work)?;
@@ -229,7 +229,7 @@ impl Performance<'_> {
             // Runs that are computed together share their time.
             let seconds = begin.elapsed().as_secs_f64() / outcomes.len().max(1) as f64;
             for outcome in outcomes {
-                work.lock().map_err(Error::of)?.keep_run(outcome, seconds)?;
+                work.lock().map_err(Error::new)?.keep_run(outcome, seconds)?;
                 counter.add();
             }
             Ok(())
@@ -245,7 +245,7 @@ fn write_rows(
 ) -> Result<(), Error> {
     let Some(rows) = rows else { return Ok(()) };
     for position in positions {
-        let run = work.lock().map_err(Error::of)?.run(position)?;
+        let run = work.lock().map_err(Error::new)?.run(position)?;
         let (outcome, seconds) =
             run.ok_or_else(|| Error::new(format!("run {position} is not among the finished ones")))?;
         rows.add(&outcome, seconds)?;

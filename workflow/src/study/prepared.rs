@@ -36,14 +36,14 @@ impl PreparedStudy {
         for condition in plan.conditions() {
             let engine = Engine::parse(&condition.engine)
                 .ok_or_else(|| Error::new(format!("there is no engine \"{}\"", condition.engine)))?;
-            let arm = simulated_arm(&loaded, engine, plan.effects.and(&condition.effects))?;
+            let arm = simulated_arm(&loaded, engine, plan.effects.overridden_by(&condition.effects))?;
             arm.servo(&Sensing::ideal()).map_err(|error| Error::new(format!("arm {error}")))?;
             arms.push(arm);
         }
         let first = &arms[0];
         let setup =
-            StudySetup::with_methods(plan, first.robot().clone(), first.nominal().clone(), first.truth(), own.clone());
-        let setup = setup.map_err(Error::of)?.with_closed_loops(armid_sim::closed_loop);
+            StudySetup::with_methods(plan, first.robot.clone(), first.nominal.clone(), &first.truth, own.clone());
+        let setup = setup.map_err(Error::new)?.with_closed_loops(armid_sim::closed_loop);
         Ok(Self { setup, arms, robot_text: loaded.text.content })
     }
 

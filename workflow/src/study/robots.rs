@@ -52,7 +52,7 @@ pub(super) fn perform(
         }
     }
     let stored = studies.iter().map(|(_, folder)| Ok(read_study(folder)?.result));
-    let summary = RobotsSummary::of(&stored.collect::<Result<Vec<StudyResult>, Error>>()?);
+    let summary = RobotsSummary::from_results(&stored.collect::<Result<Vec<StudyResult>, Error>>()?);
     write_robots(output, &summary)?;
     let report = write_robots_report(&output.join("report"), &summary, Sheet::Screen)?;
     Ok(StudyAnswer::OnRobots(Box::new(RobotsAnswer { summary, report, without_result })))

@@ -29,20 +29,19 @@ impl Performance<'_> {
         let numbers = numbers.ok_or_else(|| Error::new("a part of a study cannot be summed up"))?;
         let (designs, bounds): (Vec<StudyDesign>, Vec<Vec<f64>>) =
             designs.into_iter().map(|made| (made.design, made.bound)).unzip();
-        let conditions = self.setup.conditions(&designs, &bounds, &numbers).map_err(Error::of)?;
-        let effect_sensitivity = self.setup.effect_sensitivity(&designs, &conditions, &numbers).map_err(Error::of)?;
+        let conditions = self.setup.conditions(&designs, &bounds, &numbers).map_err(Error::new)?;
+        let effect_sensitivity = self.setup.effect_sensitivity(&designs, &conditions, &numbers).map_err(Error::new)?;
         let radkhah2007 = if self.setup.plan.radkhah2007_claims {
             let arm = |sensing: &Sensing, noise: RunNoise| {
                 self.first().arm(sensing, noise).map_err(|error| error.to_string())
             };
-            let found = evaluate_claims(self.setup, self.first().truth(), &designs, &conditions[0].findings, &arm);
-            Some(found.map_err(Error::of)?)
+            let found = evaluate_claims(self.setup, &self.first().truth, &designs, &conditions[0].findings, &arm);
+            Some(found.map_err(Error::new)?)
         } else {
             None
         };
         let examples = self.examples(&designs, &mut work, &stored)?;
-        let result =
-            self.setup.result(self.provenance(), designs, bounds, (conditions, effect_sensitivity), radkhah2007);
+        let result = self.setup.result(self.provenance(), designs, bounds, conditions, effect_sensitivity, radkhah2007);
         let input = ReportInput { result, examples };
         write_study(self.output, &input)?;
         write_provenance(self.output, rayon::current_num_threads())?;
@@ -89,8 +88,8 @@ impl Performance<'_> {
         let prediction = match shown {
             Some((design, run, estimate)) => {
                 let seed = self.setup.plan.seed.child("validation experiment", 0);
-                let simulated = self.first().made_of(self.setup.truth(run));
-                let mut arm = simulated.arm(&Sensing::default(), seed.of_run(0)).map_err(Error::of)?;
+                let simulated = self.first().with_truth(self.setup.truth(run));
+                let mut arm = simulated.arm(&Sensing::default(), seed.of_run(0)).map_err(Error::new)?;
                 let trajectory = self.setup.validation.random.first();
                 let samples = trajectory.and_then(|trajectory| self.setup.samples(trajectory, &mut *arm).ok());
                 samples.map(|samples| self.setup.prediction_example(design, &estimate, &samples))

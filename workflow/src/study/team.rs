@@ -28,7 +28,7 @@ impl Performance<'_> {
     /// The outcomes of runs on one arm under one condition: of those that were finished when an observer ended the work.
     pub(super) fn perform_team(&self, team: &[RunId], designs: &[Option<MadeDesign>]) -> Result<Vec<Outcome>, Error> {
         let Some(first) = team.first() else { return Ok(Vec::new()) };
-        let arm = self.arms[first.condition].made_of(self.setup.truth(first.run));
+        let arm = self.arms[first.condition].with_truth(self.setup.truth(first.run));
         let mut plans: BTreeMap<usize, ExperimentPlan> = BTreeMap::new();
         for index in team.iter().flat_map(|id| self.setup.sequence(id.design)) {
             let made = designs[index].as_ref().ok_or_else(|| Error::new(format!("design {index} is not made")))?;
@@ -42,7 +42,7 @@ impl Performance<'_> {
         }
         let latch = Latch::new(self.observer);
         let measured = self.measured_motions(first, &arm, &latch)?;
-        let mut performed = arm.record_all(&runs, &latch).map_err(Error::of)?.into_iter();
+        let mut performed = arm.record_all(&runs, &latch).map_err(Error::new)?.into_iter();
         let mut outcomes = Vec::new();
         for &id in team {
             let of_run = performed.by_ref().take(self.setup.sequence(id.design).len()).collect();
@@ -70,7 +70,7 @@ impl Performance<'_> {
             return Ok(None);
         }
         let arm = (id.condition, plan.truth_of(id.run));
-        if let Some(known) = self.measured.lock().map_err(Error::of)?.get(&arm) {
+        if let Some(known) = self.measured.lock().map_err(Error::new)?.get(&arm) {
             return Ok(Some(Arc::clone(known)));
         }
         let motions = self.setup.validation.measured.iter();
@@ -78,7 +78,7 @@ impl Performance<'_> {
         let seed = plan.seed.child("measured motion", arm.1 as u64);
         let runs: Vec<BatchRun<'_>> =
             plans.iter().zip(0..).map(|(plan, run)| BatchRun { plan, noise: seed.of_run(run) }).collect();
-        let performed = simulated.record_all(&runs, latch).map_err(Error::of)?;
+        let performed = simulated.record_all(&runs, latch).map_err(Error::new)?;
         if latch.has_ended() {
             return Ok(None);
         }
@@ -87,6 +87,6 @@ impl Performance<'_> {
             Error::new(format!("a fresh motion under condition \"{name}\" cannot be measured: {}", failure.reason))
         })?;
         // Two threads may have measured the same; the second finds the same numbers.
-        Ok(Some(Arc::clone(self.measured.lock().map_err(Error::of)?.entry(arm).or_insert_with(|| Arc::new(measured)))))
+        Ok(Some(Arc::clone(self.measured.lock().map_err(Error::new)?.entry(arm).or_insert_with(|| Arc::new(measured)))))
     }
 }

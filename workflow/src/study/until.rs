@@ -1,6 +1,6 @@
 //! A study that ends where an interval is narrow enough: `--until`.
 
-use armid::study::{RunId, RunNumber, StoppingRule};
+use armid::study::{PlannedDesign, RunId, RunNumber, StoppingRule};
 use armid_io::Error;
 use armid_io::study::{FinishedWork, RowFiles};
 
@@ -16,7 +16,7 @@ impl Performance<'_> {
         rule: &StoppingRule,
         words: &str,
     ) -> Result<Option<(Looks, FinishedWork)>, Error> {
-        let families = rule.families(&self.setup.plan).map_err(Error::of)?;
+        let families = rule.families(&self.setup.plan).map_err(Error::new)?;
         let mut looks = Looks { until: words.to_owned(), looks: Vec::new(), termination: "all-starts" };
         for (starts, bound) in StoppingRule::looks(self.setup.plan.designs[families[0]].starts) {
             self.starts = starts;
@@ -60,12 +60,12 @@ impl Performance<'_> {
         number: RunNumber,
         work: &mut FinishedWork,
     ) -> Result<Vec<f64>, Error> {
-        let design = self.setup.designs().iter().position(|&design| design == (family, start));
+        let design = self.setup.designs().iter().position(|&design| design == PlannedDesign { family, start });
         let design = design.ok_or_else(|| Error::new(format!("family {family} has no start {start}")))?;
         let mut values = Vec::new();
         for run in 0..self.order.runs(design) as u64 {
             let found = work.run(self.order.position(RunId { design, condition: 0, run }))?;
-            values.extend(found.and_then(|(outcome, _)| number.of(&outcome, &self.setup.scorer.truths)));
+            values.extend(found.and_then(|(outcome, _)| number.value(&outcome, &self.setup.scorer.truths)));
         }
         Ok(values)
     }

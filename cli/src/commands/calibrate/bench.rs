@@ -83,7 +83,7 @@ impl BenchArguments {
             Some(path) => path.with_extension(""),
             None => {
                 let folder = report_folder("name of the robot", &format!("{}-{what}", loaded.robot.name()))?;
-                check_file_name("name of the joint", name).map_err(Error::of)?;
+                check_file_name("name of the joint", name).map_err(Error::new)?;
                 folder.join(name)
             }
         };
@@ -172,12 +172,12 @@ impl BenchArguments {
             return Err(Error::new(format!("--speeds is {:?}, expected shares above zero", self.speeds)).into());
         }
         ConstantSpeedTrajectory::there_and_back(robot, joint, &speeds, &pose, (low, high))
-            .map_err(|fault| Error::of(fault).help("lower --speeds or a wider --range-deg").into())
+            .map_err(|fault| Error::new(fault).help("lower --speeds or a wider --range-deg").into())
     }
 
     fn perform(&self, experiment: &Path, path: &Path) -> Result<()> {
         let experiment = Experiment::load(&experiment.display().to_string())?;
-        experiment.planned.plan.check_limits(&experiment.planned.robot.robot).map_err(Error::of)?;
+        experiment.planned.plan.check_limits(&experiment.planned.robot.robot).map_err(Error::new)?;
         let mut sink = Box::new(McapSink::new(path, notes(&experiment), |_| {}).stopping_when(interrupt::asked));
         let performed = arms::perform(experiment.arm, &experiment, None, &mut *sink)?;
         if !performed.ending.is_complete() {

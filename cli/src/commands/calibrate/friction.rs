@@ -28,7 +28,7 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         console.show(&Answer { text: bench.list(), json: json!({ "written": bench.written }) })?;
         return Ok(Ending::Done);
     };
-    let found = friction(recording, &bench.loaded.robot, bench.joint).map_err(Error::of)?;
+    let found = friction(recording, &bench.loaded.robot, bench.joint).map_err(Error::new)?;
     let kind = bench.loaded.robot.joints()[bench.joint].kind;
     let json = json!({
         "robot": bench.loaded.robot.name(),

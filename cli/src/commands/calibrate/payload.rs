@@ -79,7 +79,7 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         (Some(unloaded), Some(with)) => [recorded(unloaded, &loaded)?, recorded(with, &loaded)?],
         _ => [arguments.simulated(&loaded, None)?, arguments.simulated(&loaded, Some(&load))?],
     };
-    let found = known_load(&loaded.robot, &without, &with, &load).map_err(Error::of)?;
+    let found = known_load(&loaded.robot, &without, &with, &load).map_err(Error::new)?;
     let finding = |hidden: &HiddenLoad| {
         json!({
             "joint": hidden.joint,
@@ -140,7 +140,7 @@ impl Arguments {
         let plan = ExperimentPlan::new(motion).with_periods(self.periods);
         let run = u64::from(load.is_some());
         let fault = |error: &dyn std::fmt::Display| Error::new(format!("arm {}: {error}", self.arm.name()));
-        let simulated = simulated_arm(loaded, self.arm, Effects::none())?.made_of(&truth);
+        let simulated = simulated_arm(loaded, self.arm, Effects::none())?.with_truth(&truth);
         let mut servo =
             simulated.servo(&Sensing::default()).map_err(|error| fault(&error))?.with_seed(Seed::new(self.seed), run);
         let (recording, ending) = record(&mut servo, &plan).map_err(|error| fault(&error))?;

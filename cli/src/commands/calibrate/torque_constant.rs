@@ -39,7 +39,7 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         Some(ohm) => return Err(Error::new(format!("--resistance-ohm is {ohm}, expected a number above zero")).into()),
     };
     let found = back_emf(recording, &bench.loaded.robot, bench.joint, resistance).map_err(|error| {
-        let shown = Error::of(&error);
+        let shown = Error::new(&error);
         match error {
             CalibrationError::NoVoltage => shown.help(
                 "the known-payload route: `armid calibrate payload ROBOT --mass-kg M --centre-m X,Y,Z \

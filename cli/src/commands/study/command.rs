@@ -88,7 +88,7 @@ fn perform(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let request = arguments.overrides.request(arguments.study.as_deref().unwrap_or_default())?;
     let in_parts = arguments.part_words();
     if !in_parts.is_empty() {
-        request.one(&format!("STUDY {in_parts}"))?;
+        request.single_plan(&format!("STUDY {in_parts}"))?;
     }
     let settings = StudySettings {
         output: request.output(console)?,

@@ -42,15 +42,15 @@ impl Overrides {
             if let Some(truths) = self.truths {
                 let count = truths as usize;
                 let spread = plan.truths.take();
-                plan.truths = Some(spread.map_or(RandomTruths::of(count), |spread| RandomTruths { count, ..spread }));
+                plan.truths = Some(spread.map_or(RandomTruths::new(count), |spread| RandomTruths { count, ..spread }));
             }
             if let Some(arms) = &self.arm {
                 plan.engines = arms.iter().map(|arm| arm.name().to_owned()).collect();
-                plan.check().map_err(Error::of)?;
+                plan.check().map_err(Error::new)?;
             }
         }
         let request = Request { study: study.to_owned(), plans, beside, below: None };
-        Ok(if let Some(robot) = &self.robot { request.on(robot)? } else { request })
+        Ok(if let Some(robot) = &self.robot { request.for_robot(robot)? } else { request })
     }
 
     /// These overrides as words of a command line.

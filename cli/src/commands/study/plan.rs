@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use armid::study::{ASSURANCE, StoppingRule, StudySize, VarianceComponents};
 use armid_io::Error;
-use armid_io::study::{log_ratios, read_study, seconds_of};
+use armid_io::study::{design_and_run_seconds, log_ratios, read_study};
 use miette::Result;
 
 use crate::terminal::{Answer, Console, Ending, Table};
@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
 type Sized = (StudySize, f64);
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
-    let rule: StoppingRule = arguments.until.parse().map_err(Error::of)?;
+    let rule: StoppingRule = arguments.until.parse().map_err(Error::new)?;
     let pilot = read_study(&arguments.folder)?.result;
     if pilot.plan.runs_of_noise() > 1 {
         let message = format!(
@@ -43,7 +43,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         truths: truths.then(|| logs.first().map_or(0, Vec::len)),
         runs: logs.first().map_or(0, Vec::len),
     };
-    let components = VarianceComponents::of(&logs, truths).ok_or_else(|| {
+    let components = VarianceComponents::new(&logs, truths).ok_or_else(|| {
         let message = format!(
             "{}: found {} pairs of starts with {} runs each, expected two of each at least",
             arguments.folder.display(),
@@ -52,7 +52,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         );
         Error::new(message).help("perform the pilot with more starts, or --runs")
     })?;
-    let (of_design, of_run) = seconds_of(&arguments.folder)?;
+    let (of_design, of_run) = design_and_run_seconds(&arguments.folder)?;
     let hours = |size: &StudySize| 2.0 * size.starts as f64 * (of_design + size.runs as f64 * of_run) / 3600.0;
     let sizes: Vec<Sized> =
         RUNS.iter().filter_map(|&runs| components.fewest(rule.share, runs)).map(|size| (size, hours(&size))).collect();

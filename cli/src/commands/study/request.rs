@@ -22,7 +22,7 @@ pub(crate) struct Request {
 
 impl Request {
     /// The study on this robot alone.
-    pub(super) fn on(self, robot: &str) -> Result<Self, Error> {
+    pub(super) fn for_robot(self, robot: &str) -> Result<Self, Error> {
         let plans = self.plans.plans();
         let Some(plan) = plans.iter().find(|plan| plan.robot == robot).cloned() else {
             let robots: Vec<&str> = plans.iter().map(|plan| plan.robot.as_str()).collect();
@@ -34,7 +34,7 @@ impl Request {
     }
 
     /// The plan where it is on one robot; `arguments` are those that ask for one robot, as they stand on a command line.
-    pub(super) fn one(&self, arguments: &str) -> Result<&StudyPlan, Error> {
+    pub(super) fn single_plan(&self, arguments: &str) -> Result<&StudyPlan, Error> {
         match &self.plans {
             StudyPlans::One(plan) => Ok(plan),
             StudyPlans::OnRobots(plans) => {

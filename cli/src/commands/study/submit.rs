@@ -44,7 +44,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     // What cannot be read here cannot be performed there.
     let request = arguments.overrides.request(&arguments.study)?;
-    request.one(&format!("submit STUDY --engine {}", arguments.engine))?;
+    request.single_plan(&format!("submit STUDY --engine {}", arguments.engine))?;
     let fault = |what: &str, error: &dyn std::fmt::Display| Error::new(format!("{what}: {error}"));
     let folder = request.output(console)?;
     let folder = std::path::absolute(&folder).map_err(|error| fault("the output folder", &error))?;

@@ -85,7 +85,7 @@ pub(super) fn estimate(
     let stated = of.servo();
     let found = stated.clone().with_unknown(&rest.beta.as_slice()[b..b + stated.unknown.len()]);
     let robot = problem.robot_for(name)?;
-    let restated = stated.restated(problem.samples_for(name)?, &found);
+    let restated = stated.restated_samples(problem.samples_for(name)?, &found);
     let beside = Observation::new(robot, &observation.joint_regressor(robot), &observation.base, &restated)?;
     let beside_equations = Factorisation::new(&beside)?;
     let torque = LinearFit::weighted(&beside_equations)?;

@@ -42,7 +42,7 @@ impl InstrumentalFit {
     ///
     /// # Errors
     /// [`EstimationError`] where the closed loop cannot be simulated at the first β, or its motion is no instrument.
-    pub(in crate::estimation) fn found(
+    pub(in crate::estimation) fn find(
         estimator: &str,
         problem: &EstimationProblem<'_>,
         onto: Option<&Onto<'_>>,

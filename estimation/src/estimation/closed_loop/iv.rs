@@ -22,6 +22,6 @@ use crate::estimation::problem::EstimationProblem;
 
 /// Instrumental variables with the regressor along the simulated motion as instruments.
 pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-    let found = InstrumentalFit::found(name, problem, None)?;
+    let found = InstrumentalFit::find(name, problem, None)?;
     found.estimate(name, problem, &found.fit, found.termination)
 }

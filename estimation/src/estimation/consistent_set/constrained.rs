@@ -39,7 +39,7 @@ pub(in crate::estimation) fn constrained_fit(
     prior: Prior,
 ) -> Result<ConstrainedFit, EstimationError> {
     let std = inverse.diagonal().map(|v| v.max(0.0).sqrt());
-    let region = Region::of(base, guess, (beta, &std), shapes)?;
+    let region = Region::of(base, guess, beta, &std, shapes)?;
     let data = DataTerm::of(&base.k, beta, information, inverse)?;
     let PathEnd { phi, lambda, termination, .. } = follow(&region, &data, prior);
     let spread = match prior {

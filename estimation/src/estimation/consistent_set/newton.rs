@@ -216,8 +216,10 @@ pub(super) fn minimise(
     mut phi: DVector<f64>,
     region: &Region,
     data: &DataTerm<'_>,
-    (prior, weights): (Prior, Weights),
-    (enough, steps): (f64, usize),
+    prior: Prior,
+    weights: Weights,
+    enough: f64,
+    steps: usize,
 ) -> Minimum {
     let mut before = f64::INFINITY;
     for iterations in 0..steps {

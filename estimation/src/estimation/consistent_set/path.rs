@@ -107,7 +107,7 @@ impl Way<'_> {
             lambda = 1.0;
         }
         for _ in 0..MINIMA {
-            let minimum = self.minimise(phi.clone(), lambda, (ON_THE_WAY, STEPS));
+            let minimum = self.minimise(phi.clone(), lambda, ON_THE_WAY, STEPS);
             if minimum.ending != Ending::Reached {
                 return self.stopped(minimum, lambda);
             }
@@ -122,7 +122,7 @@ impl Way<'_> {
             let is_optimal =
                 excess(nu, minimum.decrement, lambda) <= GAP * f || 2.0 * f <= INDISTINGUISHABLE || nu == 0.0;
             if is_optimal {
-                return self.refined(phi, lambda, (nu, minimum.decrement));
+                return self.refined(phi, lambda, nu, minimum.decrement);
             }
             // No farther than the gap asks: rounding grows with λ.
             lambda *= GROWTH.min(1.2 * excess(nu, ON_THE_WAY, lambda) / (GAP * f));
@@ -134,7 +134,7 @@ impl Way<'_> {
     /// The nearest set with exactly the estimated base parameters; `None` where no consistent one is found.
     fn exact(&mut self, phi: &DVector<f64>) -> Option<PathEnd> {
         let start = project(phi.clone(), self.region, self.data)?;
-        let minimum = minimise(start, self.region, self.data, (Prior::None, NEAREST), (AT_REST, STEPS));
+        let minimum = minimise(start, self.region, self.data, Prior::None, NEAREST, AT_REST, STEPS);
         self.iterations += minimum.iterations;
         (minimum.ending == Ending::Reached).then(|| PathEnd {
             optimum: minimum.phi.clone(),
@@ -145,11 +145,11 @@ impl Way<'_> {
     }
 
     /// From a certified set as far on as rounding lets it.
-    fn refined(&mut self, mut phi: DVector<f64>, mut lambda: f64, (nu, decrement): (f64, f64)) -> PathEnd {
+    fn refined(&mut self, mut phi: DVector<f64>, mut lambda: f64, nu: f64, decrement: f64) -> PathEnd {
         let mut left = excess(nu, decrement, lambda);
         let mut next = lambda;
         for _ in 0..=REFINEMENTS {
-            let last = self.minimise(phi.clone(), next, (AT_REST, REFINING_STEPS));
+            let last = self.minimise(phi.clone(), next, AT_REST, REFINING_STEPS);
             // Where it does not get there, the certificate holds where it was.
             if last.ending != Ending::Reached {
                 break;
@@ -174,7 +174,7 @@ impl Way<'_> {
         }
         let beta = self.data.base(&end.optimum);
         let data = self.data.at(&beta);
-        let minimum = minimise(end.optimum.clone(), self.region, &data, (Prior::None, NEAREST), (ON_THE_WAY, STEPS));
+        let minimum = minimise(end.optimum.clone(), self.region, &data, Prior::None, NEAREST, ON_THE_WAY, STEPS);
         // The optimum itself where rounding on the way would cost more than the gap allows.
         let phi = project(minimum.phi, self.region, &data);
         let rounding = GAP * 0.1 * self.data.chi_squared(&end.optimum);
@@ -187,9 +187,9 @@ impl Way<'_> {
         PathEnd { termination: Termination::Optimal { iterations, gap }, ..end }
     }
 
-    fn minimise(&mut self, phi: DVector<f64>, lambda: f64, enough: (f64, usize)) -> Minimum {
-        let prior = (self.prior, self.prior.weights(lambda));
-        let minimum = minimise(phi, self.region, self.data, prior, enough);
+    fn minimise(&mut self, phi: DVector<f64>, lambda: f64, enough: f64, steps: usize) -> Minimum {
+        let weights = self.prior.weights(lambda);
+        let minimum = minimise(phi, self.region, self.data, self.prior, weights, enough, steps);
         self.iterations += minimum.iterations;
         minimum
     }

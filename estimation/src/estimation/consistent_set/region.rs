@@ -56,7 +56,8 @@ impl Region {
     pub(super) fn of(
         base: &BaseReduction,
         guess: &StandardParameters,
-        (beta, std): (&DVector<f64>, &DVector<f64>),
+        beta: &DVector<f64>,
+        std: &DVector<f64>,
         shapes: &ShapeBounds,
     ) -> Result<Self, EstimationError> {
         check(base, guess)?;
@@ -236,7 +237,7 @@ mod tests {
         let [phi, other] = [&guess, &other]
             .map(|set| DVector::from_iterator(base.parameters.len(), base.parameters.iter().map(|&id| set.get(id))));
         let (beta, std) = (base.beta(&phi), DVector::from_element(base.rank(), 1.0));
-        (Region::of(&base, &guess, (&beta, &std), &ShapeBounds::default()).unwrap(), [phi, other])
+        (Region::of(&base, &guess, &beta, &std, &ShapeBounds::default()).unwrap(), [phi, other])
     }
 
     #[test]

@@ -39,7 +39,7 @@ struct JointDiscrepancy {
 impl Discrepancy {
     /// What the residual shows; `None` where it shows nothing beyond the scatter over periods, and where the samples are not those
     /// of the observation. β (b) says what each joint carries, and columns of `laws`, (n·M) × few, are explained.
-    pub(in crate::estimation) fn found(
+    pub(in crate::estimation) fn find(
         observation: &Observation,
         samples: &Samples,
         noise: &NoiseModel,

@@ -5,6 +5,8 @@
 //! ```
 //! Once they are there, an evaluation costs as much for an hour of motion as for a second.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use crate::linalg::Gram;
@@ -18,11 +20,11 @@ pub(super) struct NormalEquations {
 }
 
 impl NormalEquations {
-    /// Of the rows from `first` to `end` of W (nM × p) and y, row by row with the weight of its joint (n).
-    pub(super) fn of(w: &DMatrix<f64>, y: &DVector<f64>, weights: &[f64], (first, end): (usize, usize)) -> Self {
+    /// Of some rows of W (nM × p) and y, each with the weight of its joint (n).
+    pub(super) fn of(w: &DMatrix<f64>, y: &DVector<f64>, weights: &[f64], rows: Range<usize>) -> Self {
         let mut gram = Gram::new(w.ncols());
         let mut row = vec![0.0; w.ncols()];
-        for at in first..end {
+        for at in rows {
             row.iter_mut().zip(w.row(at).iter()).for_each(|(to, &value)| *to = value);
             if row.iter().any(|&entry| entry != 0.0) {
                 gram.add_row(&row, y[at], weights[at % weights.len()]);

@@ -177,7 +177,7 @@ impl LogEquations {
         let n = weights.len();
         let samples = self.y.len() / n;
         let at = |b: usize| n * (b * samples / BLOCKS);
-        (0..BLOCKS).map(|b| NormalEquations::of(&self.w, &self.y, weights, (at(b), at(b + 1)))).collect()
+        (0..BLOCKS).map(|b| NormalEquations::of(&self.w, &self.y, weights, at(b)..at(b + 1))).collect()
     }
 
     /// The parameters at a point; a coefficient that no row shows stays as it was guessed.

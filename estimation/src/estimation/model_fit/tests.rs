@@ -20,7 +20,7 @@ use crate::spatial::Inertia;
 const JOINTS: usize = 4;
 
 fn urdf() -> Columns {
-    Columns::RIGID.with(VISCOUS).with(COULOMB)
+    Columns::RIGID.with_term(VISCOUS).with_term(COULOMB)
 }
 
 /// An arm with a plain sign of friction, what its file says of the bodies (masses off by up to 40 %, no drive), and what it is.
@@ -35,7 +35,8 @@ fn arm(run: u64) -> (Robot, StandardParameters, StandardParameters) {
         *link = Inertia::from_array(&link.to_array().map(|x| factor * x));
     }
     for drive in &mut truth.drives {
-        *drive = DriveParameters::of(&[(VISCOUS, rng.random_range(0.5..2.0)), (COULOMB, rng.random_range(0.5..2.0))]);
+        *drive =
+            DriveParameters::from_iter([(VISCOUS, rng.random_range(0.5..2.0)), (COULOMB, rng.random_range(0.5..2.0))]);
     }
     (robot, stated, truth)
 }
@@ -143,10 +144,10 @@ fn identity_a_rotor_that_the_file_does_not_state_is_found_and_leaves_the_links_a
     let (robot, stated, _) = arm(5);
     let mut truth = stated.clone();
     for drive in &mut truth.drives {
-        *drive = DriveParameters::of(&[(VISCOUS, 1.0), (COULOMB, 0.5), (ROTOR, 0.5)]);
+        *drive = DriveParameters::from_iter([(VISCOUS, 1.0), (COULOMB, 0.5), (ROTOR, 0.5)]);
     }
     let samples = log(&robot, &truth, 1.0, 0.02, 5);
-    let fit = fitted(&robot, urdf().with(ROTOR), &samples, &stated);
+    let fit = fitted(&robot, urdf().with_term(ROTOR), &samples, &stated);
     for (drive, (found, guess)) in fit.parameters.drives.iter().zip(fit.parameters.links.iter().zip(&stated.links)) {
         assert!((drive[ROTOR] - 0.5).abs() < 0.1, "{drive:?}");
         assert!((0.7..1.4).contains(&(found.mass / guess.mass)), "{} {}", found.mass, guess.mass);
@@ -159,7 +160,7 @@ fn identity_friction_of_the_load_rests_at_that_of_the_arm() {
     let robot = robot.with_joints(|joint| joint.drive.coulomb_velocity = 0.02).unwrap();
     truth.drives.iter_mut().for_each(|drive| drive[LOAD_FRICTION] = 0.1);
     let samples = log(&robot, &truth, 1.0, 0.01, 9);
-    let fit = fitted(&robot, urdf().with(LOAD_FRICTION), &samples, &stated);
+    let fit = fitted(&robot, urdf().with_term(LOAD_FRICTION), &samples, &stated);
     for drive in &fit.parameters.drives {
         assert!((drive[LOAD_FRICTION] - 0.1).abs() < 0.05, "{drive:?}");
     }

@@ -21,7 +21,7 @@ use crate::spatial::Inertia;
 
 const COLUMNS: Columns = Columns::RIGID_ROTOR_FRICTION;
 
-/// The same with a load on the last link.
+/// The parameters with a load on the last link.
 fn loaded(parameters: &StandardParameters, load: &Inertia) -> StandardParameters {
     let mut loaded = parameters.clone();
     let last = loaded.links.last_mut().unwrap();
@@ -170,7 +170,7 @@ fn a_planar_arm_shows_four_combinations_and_what_is_no_load_is_told() {
 #[test]
 fn identity_what_both_logs_share_is_as_in_the_joint_fit_of_all_equations() {
     let mut rng = Seed::new(36).stream("payload", 0);
-    let columns = Columns::RIGID_ROTOR.with(OFFSET);
+    let columns = Columns::RIGID_ROTOR.with_term(OFFSET);
     let base = reduce(&crs_a460(), columns, Method::Structural, Seed::new(0)).unwrap();
     let (b, rows) = (base.rank(), 150);
     let k = base.k.select_columns(&base.columns_of_last_link());

@@ -25,7 +25,7 @@ use crate::linalg::LeastSquares;
 pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
     // Weights are 1/σ²: the noise is their unit.
     let nearest = |fit: &LeastSquares| consistent(problem, fit, 1.0, Prior::None);
-    let found = InstrumentalFit::found(name, problem, Some(&|fit| Ok(nearest(fit)?.beta)))?;
+    let found = InstrumentalFit::find(name, problem, Some(&|fit| Ok(nearest(fit)?.beta)))?;
     let fit = nearest(&found.in_own_covariance()?)?;
     let termination = found.termination.with_last_step(fit.termination);
     let plain = found.estimate(name, problem, &found.fit, Termination::Direct)?;

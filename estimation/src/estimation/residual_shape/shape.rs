@@ -128,7 +128,7 @@ shapes! {
 }
 
 impl ResidualShape {
-    /// In which figure it shows.
+    /// The quantity against which the residual shows it.
     pub const fn against(self) -> Against {
         self.entry().against
     }
@@ -139,7 +139,7 @@ impl ResidualShape {
     }
 
     /// The shape at one equation.
-    pub(super) fn at(self, point: &Point) -> f64 {
+    pub(super) fn value(self, point: &Point) -> f64 {
         let near_rest = (NEAR_REST * point.speed_rms).max(f64::MIN_POSITIVE);
         let shape = [0.0, if self == Self::NearRest { near_rest } else { 1.0 }].map(Scale::new);
         let Point { time, velocity: qd, load, position: q, .. } = *point;

@@ -61,7 +61,8 @@ fn trends(seed: u64, columns: Columns, memory: f64, added: Option<(ResidualShape
         for k in 0..COUNT {
             let (velocity, position) = (states.qd(k)[JOINT], states.q(k)[JOINT]);
             let time = k as f64 / (COUNT - 1) as f64 - 0.5;
-            tau[3 * k + JOINT] += coefficient * shape.at(&Point { time, velocity, speed_rms, load: load[k], position });
+            tau[3 * k + JOINT] +=
+                coefficient * shape.value(&Point { time, velocity, speed_rms, load: load[k], position });
         }
     }
     let samples = Samples::exact(states, tau, vec!["N·m".to_owned(); 3], RATE_HZ);
@@ -120,7 +121,7 @@ fn analytic_shapes_are_the_functions_of_their_descriptions() {
     // Drift, Coulomb, viscous, quadratic, near rest, gain, friction of the load, spring, cosine and sine of friction.
     let expected = [0.25, -1.0, velocity, -0.16000000000000003, near_rest, load, load, position, -cosine, -sine];
     let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-    let at = |velocity| ResidualShape::ALL.iter().map(|shape| shape.at(&point(velocity))).collect::<Vec<f64>>();
+    let at = |velocity| ResidualShape::ALL.iter().map(|shape| shape.value(&point(velocity))).collect::<Vec<f64>>();
     assert_eq!(bits(&at(velocity)), bits(&expected));
     // At rest friction is undecided.
     assert_eq!(at(0.0), [0.25, 0.0, 0.0, 0.0, 0.0, load, 0.0, position, 0.0, 0.0]);

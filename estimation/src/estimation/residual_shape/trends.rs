@@ -277,7 +277,7 @@ impl<'a> Tests<'a> {
         let speed_rms = (power(&trace.velocity) / rows.len() as f64).sqrt();
         let mut x = DVector::zeros(self.residual.len());
         for (k, &row) in rows.iter().enumerate() {
-            x[row] = shape.at(&Point {
+            x[row] = shape.value(&Point {
                 time: (trace.times[k] - first) / length - 0.5,
                 velocity: trace.velocity[k],
                 speed_rms,

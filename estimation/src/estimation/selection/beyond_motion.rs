@@ -59,7 +59,8 @@ impl Beside {
     pub(super) fn of(
         word: &str,
         robot: &Robot,
-        (observation, samples): (&Observation, &Samples),
+        observation: &Observation,
+        samples: &Samples,
         beta: &[f64],
     ) -> Result<Option<Self>, EstimationError> {
         let terms: Vec<Term> = candidate_terms().into_iter().filter(|term| term.entry().name == word).collect();

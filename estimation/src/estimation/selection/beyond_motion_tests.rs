@@ -56,7 +56,7 @@ fn selected(seed: u64, load_friction: f64, warming: f64, candidates: &[Term]) ->
         }
     }
     let samples = Samples::exact(states, tau, vec!["N·m".to_owned(); 3], RATE_HZ);
-    let candidates = candidates.iter().copied().fold(Columns::RIGID, Columns::with);
+    let candidates = candidates.iter().copied().fold(Columns::RIGID, Columns::with_term);
     select(|columns| Identification::new(&robot, columns), &samples, &[], candidates).unwrap()
 }
 

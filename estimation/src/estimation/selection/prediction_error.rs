@@ -57,7 +57,8 @@ impl Predictions {
     /// [`EstimationError`] where held-out equations are not those of this base.
     pub(super) fn new(
         observation: &Observation,
-        (weights, fit): (&BlockWhitening, &LeastSquares),
+        weights: &BlockWhitening,
+        fit: &LeastSquares,
         held_out: &[Observation],
     ) -> Result<Option<Self>, EstimationError> {
         let folds: Option<Vec<Fold>> = if held_out.is_empty() {

@@ -31,7 +31,7 @@ pub fn select(
     let words = words_of(candidates);
     let level = LEVEL / words.len().max(1) as f64;
     let columns =
-        candidates.terms().filter(|term| term.entry().needs.is_estimable()).fold(Columns::RIGID, Columns::with);
+        candidates.terms().filter(|term| term.entry().needs.is_estimable()).fold(Columns::RIGID, Columns::with_term);
     let search = |lagged| Search { of: &of, samples, held_out, level, lagged };
     let plain = search(false).selection(columns, &words)?;
     let shows = |selection: &Selection, verdicts: &[Verdict]| {
@@ -118,7 +118,7 @@ impl<F: Fn(Columns) -> Result<Identification, EstimationError>> Search<'_, F> {
         };
         let beta = LinearFit::weighted(&Factorisation::new(&observation)?)?.fit.solution().clone();
         let word = CURRENT_LAG.entry().name;
-        let Some(lag) = Beside::of(word, robot, (&observation, self.samples), beta.as_slice())? else {
+        let Some(lag) = Beside::of(word, robot, &observation, self.samples, beta.as_slice())? else {
             let parameter = CURRENT_LAG.symbol().to_owned();
             return Err(EstimationError::NotExcited { parameter, independent: 0.0, least: 0.0 });
         };
@@ -189,7 +189,7 @@ impl<F: Fn(Columns) -> Result<Identification, EstimationError>> Search<'_, F> {
         }
         let robot = identification.problem(&step.observation, self.samples).robot;
         let beta = step.linear.fit.solution();
-        let of = |robot| Beside::of(word, robot, (&step.observation, self.samples), beta.as_slice());
+        let of = |robot| Beside::of(word, robot, &step.observation, self.samples, beta.as_slice());
         let beside = match robot.map_or(Ok(None), of) {
             Ok(Some(beside)) => beside,
             Ok(None) | Err(EstimationError::NotExcited { .. } | EstimationError::OutsideOfEquations { .. }) => {
@@ -253,12 +253,12 @@ pub(super) fn words_of(columns: Columns) -> Vec<&'static str> {
 /// The columns without the terms of a word.
 pub(super) fn without(columns: Columns, word: &str) -> Columns {
     let gone: Vec<_> = columns.terms().filter(|term| term.entry().name == word).collect();
-    gone.into_iter().fold(columns, Columns::without)
+    gone.into_iter().fold(columns, Columns::without_term)
 }
 
 /// The columns with the terms of a word.
 pub(super) fn with_word(columns: Columns, word: &str) -> Columns {
-    Term::ALL.iter().copied().filter(|term| term.entry().name == word).fold(columns, Columns::with)
+    Term::ALL.iter().copied().filter(|term| term.entry().name == word).fold(columns, Columns::with_term)
 }
 
 /// The word of the term without which equations may be solved: the one that the motion does not distinguish from the others, whose load

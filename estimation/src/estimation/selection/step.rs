@@ -50,7 +50,7 @@ impl Step {
             let estimate = linear.estimate("wls", &problem, &linear.fit, Termination::Direct)?;
             (linear, estimate)
         };
-        let predictions = |weights| Predictions::new(&observation, (weights, &linear.fit), unseen);
+        let predictions = |weights| Predictions::new(&observation, weights, &linear.fit, unseen);
         let predictions = linear.weights.as_ref().map_or(Ok(None), predictions)?;
         Ok(Self {
             covariance: estimate.covariance_matrix(),

@@ -35,7 +35,7 @@ fn recording(seed: u64, terms: &[Term], memory: f64) -> (Robot, Samples) {
     recording_of(seed, &terms.iter().map(coefficient).collect::<Vec<_>>(), memory)
 }
 
-/// The same with these coefficients.
+/// A recording of an arm with these coefficients.
 fn recording_of(seed: u64, terms: &[(Term, f64)], memory: f64) -> (Robot, Samples) {
     let source = Seed::new(seed);
     let (robot, drawn) = random_robot(&mut source.stream("arm", 0), 3);
@@ -74,7 +74,7 @@ fn recording_of(seed: u64, terms: &[(Term, f64)], memory: f64) -> (Robot, Sample
 fn candidates() -> Columns {
     [ROTOR, VISCOUS, COULOMB, OFFSET, STRIBECK, QUADRATIC_VISCOUS, SPRING]
         .into_iter()
-        .fold(Columns::RIGID, Columns::with)
+        .fold(Columns::RIGID, Columns::with_term)
 }
 
 fn selected(seed: u64, terms: &[Term], memory: f64) -> Selection {
@@ -122,7 +122,7 @@ fn analytic_friction_of_the_load_is_supported_where_it_is_there() {
                 let terms = [(ROTOR, 0.3), (VISCOUS, 4.0), (COULOMB, 4.0), (LOAD_FRICTION, of_load)];
                 let (robot, samples) = recording_of(seed, &terms, 0.5);
                 let of = |columns| Identification::new(&robot, columns);
-                let selection = select(of, &samples, &[], candidates().with(LOAD_FRICTION)).unwrap();
+                let selection = select(of, &samples, &[], candidates().with_term(LOAD_FRICTION)).unwrap();
                 let load = selection.terms.iter().find(|one| one.term == LOAD_FRICTION.entry().name).unwrap();
                 load.verdict == Verdict::Supported
             })

@@ -8,7 +8,7 @@ use crate::base::{BaseReduction, Method, reduce};
 use crate::chains::{random_inertia, random_robot, random_state};
 use crate::dynamics::{Dynamics, States};
 use crate::estimation::{
-    DriveGains, EstimationError, EstimationProblem, EstimatorKind, GainMethod, Observation, drive_gains, moved_by_gains,
+    DriveGains, EstimationError, EstimationProblem, EstimatorKind, GainMethod, Observation, drive_gains, gain_slopes,
 };
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
@@ -153,7 +153,7 @@ fn identity_all_gains_together_move_every_parameter_in_proportion() {
     // Stated noise, so that weights do not follow the torque.
     without.noise =
         Some(NoiseModel::white(DMatrix::from_diagonal(&DVector::from_vec(vec![0.04, 0.3, 0.01])), false, 1e6));
-    let moved = moved_by_gains(&without).unwrap();
+    let moved = gain_slopes(&without).unwrap();
     let beta = |observation: &Observation| {
         EstimatorKind::Wls.estimator().estimate(&EstimationProblem::new(observation)).unwrap().beta()
     };

@@ -20,10 +20,10 @@ const STATED_SPEED: f64 = 0.1;
 const AMPLITUDE: f64 = 4.0;
 
 fn columns() -> Columns {
-    Columns::RIGID_ROTOR_FRICTION.with(STRIBECK)
+    Columns::RIGID_ROTOR_FRICTION.with_term(STRIBECK)
 }
 
-/// The same robot with one Stribeck velocity in all drives.
+/// The robot with one Stribeck velocity in all drives.
 fn with_speed(robot: &Robot, speed: f64) -> Robot {
     with_speeds(robot, Stribeck::VELOCITY, &vec![speed; robot.dof()])
 }
@@ -126,7 +126,7 @@ pub(super) fn onset(robot: &Robot, columns: Columns, samples: &Samples) -> Frict
 fn analytic_exact_torque_gives_the_speed_of_the_arm() {
     let (robot, samples) = recording(11, [AMPLITUDE; 3], 0.0);
     let speeds = found(&robot, &samples);
-    assert!(speeds.termination.was_successful() && speeds.not_shown().is_empty(), "{speeds:?}");
+    assert!(speeds.termination.was_successful() && speeds.joints_not_shown().is_empty(), "{speeds:?}");
     for joint in &speeds.joints {
         // Nothing is left at the truth, where Gauss–Newton is quadratic: behind a step of 1e-6 rounding alone is left.
         let (speed, amplitude) = (joint.speed.unwrap().value, joint.amplitude.unwrap().value);
@@ -149,7 +149,7 @@ fn analytic_intervals_of_noisy_torque_hold_the_speed_of_the_arm() {
     for seed in 20..30 {
         let (robot, samples) = recording(seed, [AMPLITUDE; 3], 0.2);
         let speeds = found(&robot, &samples);
-        assert!(speeds.termination.was_successful() && speeds.not_shown().is_empty(), "{seed}: {speeds:?}");
+        assert!(speeds.termination.was_successful() && speeds.joints_not_shown().is_empty(), "{seed}: {speeds:?}");
         assert!(speeds.weighted_rms[1] < speeds.weighted_rms[0], "{:?}", speeds.weighted_rms);
         for joint in &speeds.joints {
             let (speed, amplitude) = (joint.speed.unwrap(), joint.amplitude.unwrap());
@@ -169,13 +169,13 @@ fn analytic_an_arm_whose_friction_does_not_fall_has_no_speed() {
     for seed in 40..44 {
         let (robot, samples) = recording(seed, [0.0; 3], 0.2);
         let speeds = found(&robot, &samples);
-        assert_eq!(speeds.not_shown(), [1, 2, 3], "{seed}: {speeds:?}");
+        assert_eq!(speeds.joints_not_shown(), [1, 2, 3], "{seed}: {speeds:?}");
         assert_eq!(speeds.robot(&robot), robot);
     }
     // Nor has a joint beside one that has.
     let (robot, samples) = recording(45, [AMPLITUDE, 0.0, AMPLITUDE], 0.2);
     let speeds = found(&robot, &samples);
-    assert_eq!(speeds.not_shown(), [2], "{speeds:?}");
+    assert_eq!(speeds.joints_not_shown(), [2], "{speeds:?}");
     let drives = speeds.robot(&robot);
     assert_eq!(drives.joints()[1].drive.shape(&Stribeck::VELOCITY), STATED_SPEED);
     assert_eq!(Some(drives.joints()[0].drive.shape(&Stribeck::VELOCITY)), speeds.joints[0].speed.map(|of| of.value));
@@ -190,8 +190,8 @@ fn analytic_exact_torque_gives_the_onset_of_the_arm_with_and_without_friction_of
         let truth = [0.2, 0.05, 0.1];
         let (robot, _, samples) = onset_recording(12, truth, load, 0.0);
         let columns = Columns::RIGID_ROTOR_FRICTION;
-        let speeds = onset(&robot, if load > 0.0 { columns.with(LOAD_FRICTION) } else { columns }, &samples);
-        assert!(speeds.not_shown().is_empty() && speeds.predict_better(), "{speeds:?}");
+        let speeds = onset(&robot, if load > 0.0 { columns.with_term(LOAD_FRICTION) } else { columns }, &samples);
+        assert!(speeds.joints_not_shown().is_empty() && speeds.predict_better(), "{speeds:?}");
         for (joint, truth) in speeds.joints.iter().zip(truth) {
             let (speed, amplitude) = (joint.speed.unwrap().value, joint.amplitude.unwrap().value);
             // With friction of the load, the alternation of load and speeds ends at a change of 1e-4.
@@ -220,7 +220,7 @@ fn analytic_intervals_hold_the_onset_and_a_plain_sign_shows_none() {
     for seed in 60..64 {
         let (robot, _, samples) = onset_recording(seed, [0.0; 3], 0.0, 0.2);
         let speeds = onset(&robot, Columns::RIGID_ROTOR_FRICTION, &samples);
-        assert_eq!(speeds.not_shown(), [1, 2, 3], "{seed}: {speeds:?}");
+        assert_eq!(speeds.joints_not_shown(), [1, 2, 3], "{seed}: {speeds:?}");
         assert_eq!((speeds.robot(&robot), speeds.held_out), (robot, None));
     }
 }
@@ -236,7 +236,7 @@ fn identity_columns_are_those_of_the_regressor_and_slopes_their_central_differen
     let samples = Samples { block: 3, ..Samples::exact(states, tau, vec!["N·m".to_owned(); 6], 60.0) };
     let samples = Samples { used: vec![true; 600], ..samples };
     let identification = |robot: &Robot| {
-        let identification = Identification::new(robot, columns().with(MOTOR_STRIBECK)).unwrap();
+        let identification = Identification::new(robot, columns().with_term(MOTOR_STRIBECK)).unwrap();
         identification.observation(&samples).unwrap()
     };
     let observation = identification(&robot);
@@ -245,7 +245,7 @@ fn identity_columns_are_those_of_the_regressor_and_slopes_their_central_differen
     assert_eq!(n, 6);
     for speed in [0.05, 0.3, 0.7] {
         let by_regressor = identification(&with_speed(&robot, speed));
-        let found = of.at(&observation, &vec![speed; n]);
+        let found = of.observation_at(&observation, &vec![speed; n]);
         assert!((found.regressor - by_regressor.regressor).amax() < 1e-12, "{speed}");
     }
     let beta = nalgebra::DVector::from_fn(observation.base.rank(), |j, _| 1.0 + 0.1 * j as f64);
@@ -256,7 +256,7 @@ fn identity_columns_are_those_of_the_regressor_and_slopes_their_central_differen
         let torque = |logarithm: f64| {
             let mut speeds = vec![speed; n];
             speeds[joint] = speed * libm::exp(logarithm);
-            of.at(&observation, &speeds).regressor * &beta
+            of.observation_at(&observation, &speeds).regressor * &beta
         };
         let difference = (torque(h) - torque(-h)) / (2.0 * h);
         // Truncation h² and rounding 1e-16/h, of a torque of some ten.
@@ -271,7 +271,7 @@ fn identity_columns_are_those_of_the_regressor_and_slopes_their_central_differen
 fn identity_friction_columns_pass_the_low_pass_of_the_torque() {
     let (robot, truth, plain) = onset_recording(13, [0.2, 0.1, 0.3], 0.0, 0.0);
     let moved = with_speeds(&robot, ShapeParameter::COULOMB_VELOCITY, &[0.2, 0.1, 0.3]);
-    let rigid = Columns::RIGID.with(ROTOR);
+    let rigid = Columns::RIGID.with_term(ROTOR);
     let mut smooth = truth.clone();
     smooth.drives.iter_mut().for_each(|drive| *drive = drive.only(|term| rigid.has(term) || term == VISCOUS));
     let base = torque(&moved, &smooth, 0.0, &Seed::new(13)).tau;

@@ -16,7 +16,7 @@ use crate::signal::Samples;
 const LOAD: f64 = 0.06;
 
 fn columns() -> Columns {
-    Columns::RIGID_ROTOR_FRICTION.with(LOAD_FRICTION)
+    Columns::RIGID_ROTOR_FRICTION.with_term(LOAD_FRICTION)
 }
 
 #[test]
@@ -64,7 +64,7 @@ fn identity_the_jacobian_is_central_differences_and_the_load_adds_its_own_fricti
     for run in 0..6 {
         let mut rng = Seed::new(17).stream("load friction", run);
         let (robot, _) = ChainRecipe { coupled: run % 2 == 0, ..ChainRecipe::new(4) }.draw(&mut rng);
-        let columns = columns().with(MOTOR_LOAD_FRICTION);
+        let columns = columns().with_term(MOTOR_LOAD_FRICTION);
         let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
         let mut states = States::new(4);
         for _ in 0..30 {
@@ -107,6 +107,6 @@ fn a_plain_arm_has_none_and_temperature_is_refused() {
     assert_eq!(estimate.shape.len(), 3);
     let other = onset_recording(22, [0.1; 3], 0.0, 0.2).0;
     assert_eq!(estimate.robot(&other, columns()).unwrap(), robot);
-    let refused = Identification::new(&robot, columns().with(WARM_VISCOUS)).unwrap_err();
+    let refused = Identification::new(&robot, columns().with_term(WARM_VISCOUS)).unwrap_err();
     assert!(matches!(refused, EstimationError::Columns(ColumnsError::Warmth { .. })), "{refused}");
 }

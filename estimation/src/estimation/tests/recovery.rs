@@ -260,7 +260,7 @@ fn a_parameter_that_is_not_excited_is_named() {
 fn a_parameter_that_acts_where_no_equation_is_is_named() {
     // Friction of Stribeck acts at a standstill; equations within 0.3 rad/s of it, three times its speed, are left out.
     let (robot, ..) = a460();
-    let columns = Columns::RIGID_ROTOR_FRICTION.with(STRIBECK);
+    let columns = Columns::RIGID_ROTOR_FRICTION.with_term(STRIBECK);
     let regressor = JointTorqueRegressor::new(&robot, columns).unwrap();
     let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
     let (.., mut samples) = a460_samples(500);

@@ -26,7 +26,7 @@ pub(super) fn a460_samples(count: usize) -> (Robot, StandardParameters, JointTor
     a460_samples_of(count, |_| {})
 }
 
-/// The same after a change of the parameters.
+/// Samples of the A460 after a change of the parameters.
 pub(super) fn a460_samples_of(
     count: usize,
     change: impl Fn(&mut StandardParameters),

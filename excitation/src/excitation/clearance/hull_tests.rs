@@ -11,7 +11,7 @@ use crate::seed::Seed;
 use crate::spatial::Placement;
 
 fn hull(points: &[Vector3<f64>], pose: &Placement) -> Placed {
-    Placed::new(&Solid::Hull(Hull::around(points).unwrap()), pose)
+    Placed::new(&Solid::Hull(Hull::enclosing(points).unwrap()), pose)
 }
 
 fn turned(rng: &mut impl Rng) -> Placement {
@@ -62,7 +62,7 @@ fn clarabel_distances_of_hulls_are_those_of_a_quadratic_program() {
         };
         let (p, q) = (cloud(12), cloud(9));
         let (here, there) = (turned(&mut rng), turned(&mut rng));
-        let margins: f64 = [&p, &q].iter().map(|points| Hull::around(points).unwrap().margin).sum();
+        let margins: f64 = [&p, &q].iter().map(|points| Hull::enclosing(points).unwrap().margin).sum();
         let (first, second) = (hull(&p, &here), hull(&q, &there));
         let found = first.separation(&second);
         let in_base = |points: &[Vector3<f64>], pose: &Placement| -> Vec<Vector3<f64>> {

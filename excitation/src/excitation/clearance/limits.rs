@@ -10,7 +10,7 @@ use super::scene::Scene;
 use super::sweep::CLEARANCE_TOLERANCE;
 use crate::dynamics::States;
 use crate::excitation::{basis::MotionBasis, sampled::SampledBasis};
-use crate::optimiser::{Row, SmoothLimits, SmoothRow, climb};
+use crate::optimiser::{CurvePoint, Row, SmoothLimits, SmoothRow, climb};
 use crate::trajectory::Trajectory;
 
 /// Distance that counts as one unit of excess, m.
@@ -47,7 +47,7 @@ pub struct ClearanceLimits {
 }
 
 impl ClearanceLimits {
-    /// At least `clearance` (m) between all bodies of `scene`, watched on a grid of `samples`.
+    /// The limit of at least `clearance` (m) between all bodies of `scene`, watched on a grid of `samples`.
     pub fn new(scene: Scene, basis: &MotionBasis, samples: usize, clearance: f64) -> Self {
         let states = States::with_len(basis.dof(), samples);
         let sampled = SampledBasis::new(basis.clone(), samples);
@@ -106,9 +106,9 @@ impl ClearanceLimits {
             scene.place(&q);
             -scene.separation(dip.pair).distance
         };
-        let around = (dip.phase - step, dip.phase + step);
-        let (phase, nearness) = climb(nearness, (dip.phase, -dip.distance), around, REFINED * step);
-        Dip { phase, distance: -nearness, ..dip }
+        let from = CurvePoint { place: dip.phase, value: -dip.distance };
+        let top = climb(nearness, from, dip.phase - step..dip.phase + step, REFINED * step);
+        Dip { phase: top.place, distance: -top.value, ..dip }
     }
 }
 

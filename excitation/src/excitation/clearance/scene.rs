@@ -137,7 +137,7 @@ impl Scene {
     /// Moves the robot to the joint coordinates `q` (n).
     pub fn place(&mut self, q: &[f64]) {
         for (i, (moving, &q)) in self.moving.iter().zip(q).enumerate() {
-            self.poses[i + 1] = self.poses[i].compose(&moving.at(q));
+            self.poses[i + 1] = self.poses[i].compose(&moving.placement(q));
         }
         for (placed, (link, solid)) in self.placed.iter_mut().zip(&self.bodies) {
             if *link > 0 {
@@ -187,7 +187,7 @@ impl Scene {
         }
     }
 
-    /// By how much the distance of a pair can shrink at most while each joint moves by up to `moved` (n).
+    /// The most by which the distance of a pair can shrink while each joint moves by up to `moved` (n).
     pub fn closing(&self, pair: usize, moved: &[f64]) -> f64 {
         let Pair { from, to, reach, .. } = &self.pairs[pair];
         reach.iter().zip(&moved[*from..*to]).map(|(reach, moved)| reach * moved).sum()

@@ -79,10 +79,10 @@ mod tests {
         for (link, radius) in [(2, 0.5), (4, 0.5)] {
             shapes.push(Shape { link, solid: Solid::Capsule(Capsule { from: elbow, to: elbow, radius }) });
         }
-        let coarse = robot.changed(|spec| (spec.shapes, spec.may_touch) = (shapes, Vec::new())).unwrap();
+        let coarse = robot.with_spec(|spec| (spec.shapes, spec.may_touch) = (shapes, Vec::new())).unwrap();
         let found = touching_links(&coarse, 0.0);
         assert!(found.iter().any(|touching| touching.links == (2, 4) && touching.share == 1.0), "{found:?}");
-        let held = coarse.changed(|spec| spec.may_touch = found.iter().map(|t| t.links).collect()).unwrap();
+        let held = coarse.with_spec(|spec| spec.may_touch = found.iter().map(|t| t.links).collect()).unwrap();
         assert_eq!(touching_links(&held, 0.0), []);
     }
 }

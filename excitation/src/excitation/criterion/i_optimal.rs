@@ -22,7 +22,7 @@ pub struct IOptimal {
 }
 
 impl IOptimal {
-    /// Of predictions with this mean square G, b × b.
+    /// The criterion of predictions with this mean square G, b × b.
     pub const fn new(gram: DMatrix<f64>) -> Self {
         Self { gram: Some(gram) }
     }

@@ -33,12 +33,12 @@ pub struct ModelError {
 }
 
 impl ModelError {
-    /// Of these predictions.
+    /// The error of these predictions.
     pub const fn new(prediction: Prediction) -> Self {
         Self { prediction: Some(prediction), measured: false }
     }
 
-    /// Of the torque that the arm with its effects measures, over several sizes of each effect.
+    /// The error of the torque that the arm with its effects measures, over several sizes of each effect.
     pub const fn of_measured_torque() -> Self {
         Self { prediction: None, measured: true }
     }

@@ -27,8 +27,8 @@ pub struct PayloadOptimal {
 }
 
 impl PayloadOptimal {
-    /// For designs on this base; `None` where it shows nothing of a load.
-    pub fn of(base: &BaseReduction) -> Option<Self> {
+    /// The criterion of designs on this base; `None` where the base shows nothing of a load.
+    pub fn new(base: &BaseReduction) -> Option<Self> {
         let (rows, columns) = (base.inertial_rows(), base.columns_of_last_link());
         let shown = base.of_load().kept;
         let others = (0..base.rank()).filter(|row| !rows.contains(row)).collect();
@@ -104,7 +104,7 @@ mod tests {
     fn criterion() -> (BaseReduction, PayloadOptimal) {
         let robot = chains::crs_a460();
         let base = reduce(&robot, Columns::RIGID_ROTOR_FRICTION, Method::Structural, Seed::new(0)).unwrap();
-        let criterion = PayloadOptimal::of(&base).unwrap();
+        let criterion = PayloadOptimal::new(&base).unwrap();
         (base, criterion)
     }
 

@@ -61,7 +61,7 @@ impl Channel {
         channels
     }
 
-    /// Those of `channels` that can be the first to be reached: where a torque and a current are multiples of each
+    /// The `channels` that can be the first to be reached: where a torque and a current are multiples of each
     /// other, only the tighter one.
     pub fn binding(channels: &[Self]) -> Vec<Self> {
         let scale = |channel: &Self| channel.weights[channel.joint].abs();

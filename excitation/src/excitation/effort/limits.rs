@@ -198,7 +198,7 @@ mod tests {
     fn identity_rows_are_the_slopes_of_peaks_and_mean_squares() {
         let robot = chains::crs_a460().with_joints(|joint| joint.limits.continuous_torque = 20.0).unwrap();
         let nominal = parse_nominal(bundled()[0].nominal, &robot).unwrap();
-        let spread = ParameterSpread::of(&robot, &nominal.parameters, &nominal.relative_uncertainty, CONFIDENCE_95);
+        let spread = ParameterSpread::new(&robot, &nominal.parameters, &nominal.relative_uncertainty, CONFIDENCE_95);
         let model = EffortModel::new(&robot, &nominal.parameters, Some(&spread));
         let basis = MotionBasis::new(&robot, &DesignSpace::new(Family::Fourier, 10.0, vec![5; 6])).unwrap();
         let start = radkhah2007_start(&robot, 10.0, 5, Seed::new(2), 1).unwrap().into();

@@ -83,7 +83,7 @@ impl EffortModel {
     /// If the parameters or their deviations are not those of the robot.
     pub fn new(robot: &Robot, nominal: &StandardParameters, spread: Option<&ParameterSpread>) -> Self {
         let n = robot.dof();
-        let columns = Columns::default().and_those_of(nominal);
+        let columns = Columns::default().with_terms_of(nominal);
         let regressor = JointTorqueRegressor::with_load(robot, columns, nominal);
         let phi: Vec<f64> = nominal.vector(robot, columns).iter().copied().collect();
         let p = phi.len();

@@ -19,13 +19,13 @@ pub struct ParameterSpread {
 impl ParameterSpread {
     /// How many standard deviations a limit must leave so that one side of a normal distribution keeps within it with
     /// this probability (at least one half): its quantile.
-    pub fn multiple_of(confidence: f64) -> f64 {
+    pub fn multiple_for(confidence: f64) -> f64 {
         crate::statistics::normal_quantile(confidence)
     }
 
-    /// From the shares that a `nominal.toml` states: of the mass, of the length of the first moment, of the trace of
+    /// The spread by the shares that a `nominal.toml` states: of the mass, of the length of the first moment, of the trace of
     /// the inertia for each of its elements, of rotor inertia and friction; the offset's is absolute.
-    pub fn of(robot: &Robot, nominal: &StandardParameters, shares: &RelativeUncertainty, multiple: f64) -> Self {
+    pub fn new(robot: &Robot, nominal: &StandardParameters, shares: &RelativeUncertainty, multiple: f64) -> Self {
         use ParameterKind as Kind;
         let deviation = |id: ParameterId| {
             let (value, link) = (nominal.get(id).abs(), &nominal.links[id.index]);
@@ -36,12 +36,12 @@ impl ParameterSpread {
                     shares.inertia * link.rotational.trace()
                 }
                 Kind::Term(term) => match term.entry().prior.of {
-                    PriorOf::Value => shares.of(term) * value,
-                    PriorOf::Unit => shares.of(term),
+                    PriorOf::Value => shares.of_term(term) * value,
+                    PriorOf::Unit => shares.of_term(term),
                 },
             }
         };
-        let ids = Columns::default().and_those_of(nominal).parameters(robot);
+        let ids = Columns::default().with_terms_of(nominal).parameters(robot);
         let deviations = ids.into_iter().map(deviation).collect();
         Self { deviations, multiple }
     }
@@ -64,7 +64,7 @@ mod tests {
         nominal.drives[1][OFFSET] = 8.0;
         let terms = [("viscous", 0.25), ("offset_nm", 0.5)].map(|(key, share)| (key.to_owned(), share));
         let shares = RelativeUncertainty { mass: 0.1, first_moment: 0.2, inertia: 0.5, terms: terms.into() };
-        let spread = ParameterSpread::of(&robot, &nominal, &shares, 2.0);
+        let spread = ParameterSpread::new(&robot, &nominal, &shares, 2.0);
         let [link, other] = [&spread.deviations[..10], &spread.deviations[10..20]];
         let expected = [2.0, 2.6, 2.6, 2.6, 9.0, 9.0, 9.0, 9.0, 9.0, 9.0];
         for (found, expected) in link.iter().zip(expected) {
@@ -72,7 +72,7 @@ mod tests {
         }
         assert!(other.iter().all(|&deviation| deviation == 0.0));
         // Friction counts as a share of its value, an offset as an amount.
-        let columns = Columns::default().and_those_of(&nominal).parameters(&robot);
+        let columns = Columns::default().with_terms_of(&nominal).parameters(&robot);
         let of = |term| columns.iter().position(|id| id.index == 1 && id.kind == ParameterKind::Term(term)).unwrap();
         assert_eq!(spread.deviations[of(VISCOUS)], 2.0);
         assert_eq!(spread.deviations[of(OFFSET)], 0.5);
@@ -81,6 +81,6 @@ mod tests {
     #[test]
     fn published_one_sided_quantile() {
         // Abramowitz and Stegun, table 26.5.
-        assert!((ParameterSpread::multiple_of(0.95) - CONFIDENCE_95).abs() < 1e-9);
+        assert!((ParameterSpread::multiple_for(0.95) - CONFIDENCE_95).abs() < 1e-9);
     }
 }

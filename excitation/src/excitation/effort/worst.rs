@@ -3,7 +3,7 @@
 use super::channel::{Channel, EffortKind};
 use super::model::{EffortModel, Load};
 use crate::excitation::limits::WorstUse;
-use crate::optimiser::climb;
+use crate::optimiser::{CurvePoint, climb};
 use crate::trajectory::{Segment, Timeline, Trajectory};
 
 /// A peak that may use more than this part of a limit between the samples is refined in time.
@@ -48,8 +48,8 @@ pub struct WorstEfforts {
 }
 
 impl WorstEfforts {
-    /// Over period and ramps of an experiment around a motion, on a grid of `samples` per period, refined in time.
-    pub fn of(
+    /// The largest uses over period and ramps of an experiment around a motion, on a grid of `samples` per period, refined in time.
+    pub fn compute(
         model: &mut EffortModel,
         channels: &[Channel],
         motion: &dyn Trajectory,
@@ -224,9 +224,9 @@ pub(super) fn refine(
         (peak.sign * load.value + load.spread) / channel.peak
     };
     let step = survey.step(peak.segment);
-    let around = (peak.part - step, peak.part + step);
-    let (part, ratio) = climb(ratio, (peak.part, peak.ratio), around, REFINED * step);
-    Peak { part, ratio, ..peak }
+    let from = CurvePoint { place: peak.part, value: peak.ratio };
+    let top = climb(ratio, from, peak.part - step..peak.part + step, REFINED * step);
+    Peak { part: top.place, ratio: top.value, ..peak }
 }
 
 #[cfg(test)]

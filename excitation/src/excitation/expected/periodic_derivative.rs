@@ -28,7 +28,7 @@ impl PeriodicDerivative {
     }
 
     /// The derivatives of n functions, N × n row-major.
-    pub(super) fn of(&self, x: &[f64]) -> Vec<f64> {
+    pub(super) fn apply(&self, x: &[f64]) -> Vec<f64> {
         let samples = self.kernel.len();
         let n = x.len() / samples;
         let mut derivative = vec![0.0; x.len()];
@@ -43,9 +43,9 @@ impl PeriodicDerivative {
         derivative
     }
 
-    /// The transpose of [`Self::of`].
+    /// The transpose of [`Self::apply`].
     pub(super) fn transposed(&self, x: &[f64]) -> Vec<f64> {
-        self.of(x).into_iter().map(|entry| -entry).collect()
+        self.apply(x).into_iter().map(|entry| -entry).collect()
     }
 }
 
@@ -62,12 +62,12 @@ mod tests {
             let of = |f: &dyn Fn(f64) -> [f64; 2]| (0..samples).flat_map(|k| f(t(k))).collect::<Vec<f64>>();
             let x = of(&|t| [(7.0 * omega * t).sin() + 3.0, (2.0 * omega * t).cos()]);
             let expected = of(&|t| [7.0 * omega * (7.0 * omega * t).cos(), -2.0 * omega * (2.0 * omega * t).sin()]);
-            for (found, expected) in derivative.of(&x).iter().zip(&expected) {
+            for (found, expected) in derivative.apply(&x).iter().zip(&expected) {
                 assert!((found - expected).abs() < 1e-12, "{found} {expected}");
             }
             // ⟨y, D x⟩ = ⟨Dᵀ y, x⟩.
             let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
-            assert!((dot(&x, &derivative.of(&expected)) - dot(&derivative.transposed(&x), &expected)).abs() < 1e-10);
+            assert!((dot(&x, &derivative.apply(&expected)) - dot(&derivative.transposed(&x), &expected)).abs() < 1e-10);
         }
     }
 }

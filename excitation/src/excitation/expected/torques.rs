@@ -30,7 +30,7 @@ struct BoundTerms {
 impl BoundTerms {
     fn new(robot: &Robot, drives: &[crate::model::DriveParameters]) -> Self {
         let parameters = StandardParameters { drives: drives.to_vec(), ..StandardParameters::zero(robot.dof()) };
-        let terms = TorqueTerms::new(robot, Columns::RIGID.and_those_of(&parameters));
+        let terms = TorqueTerms::new(robot, Columns::RIGID.with_terms_of(&parameters));
         let by_column = terms.parameters().iter().map(|&id| parameters.get(id)).collect();
         Self { values: terms.values(&parameters), by_column, terms }
     }
@@ -54,10 +54,10 @@ pub struct EffectTorques {
 }
 
 impl EffectTorques {
-    /// Of motions of `robot` with `samples` samples of a period of `period_s` s.
+    /// The torques in motions of `robot` with `samples` samples of a period of `period_s` s.
     pub fn new(robot: &Robot, expected: &ExpectedEffects, samples: usize, period_s: f64) -> Self {
         let nominal = &expected.nominal;
-        let columns = Columns::RIGID_ROTOR_FRICTION.and_those_of(nominal);
+        let columns = Columns::RIGID_ROTOR_FRICTION.with_terms_of(nominal);
         let regressor = JointTorqueRegressor::with_load(robot, columns, nominal);
         let phi = nominal.vector(robot, columns).as_slice().to_vec();
         let rigid = 10 * robot.dof();
@@ -121,7 +121,7 @@ impl EffectTorques {
                     }
                 }
                 EffectLaw::Late(time) => {
-                    for (out, rate) in column.iter_mut().zip(self.derivative.of(&self.torque)) {
+                    for (out, rate) in column.iter_mut().zip(self.derivative.apply(&self.torque)) {
                         *out = time * rate;
                     }
                 }
@@ -157,7 +157,7 @@ impl EffectTorques {
                                 *weight = u * value;
                             }
                         }
-                        let [q, qd, qdd] = slopes.at_mut(k);
+                        let [q, qd, qdd] = slopes.sample_mut(k);
                         let by = [q, qd, qdd, &mut by_load[range]];
                         bound.terms.add_gradient(&self.term_state(states, k), 0, stride, &weights, by);
                     }
@@ -216,8 +216,8 @@ impl EffectTorques {
                 *bend = load.iter().enumerate().map(|(j, load)| compliance[(i, j)] * load).sum();
             }
         }
-        let rate = self.derivative.of(&bend);
-        let second = self.derivative.of(&rate);
+        let rate = self.derivative.apply(&bend);
+        let second = self.derivative.apply(&rate);
         let less = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x - y).collect();
         States { dof: n, q: less(&states.q, &bend), qd: less(&states.qd, &rate), qdd: less(&states.qdd, &second) }
     }
@@ -256,7 +256,7 @@ impl EffectTorques {
                     *g = torque * phi + load * link;
                 }
             }
-            self.regressor.adjoint(states.at(k), &g, slopes.at_mut(k));
+            self.regressor.adjoint(states.sample(k), &g, slopes.sample_mut(k));
         }
     }
 }
@@ -295,7 +295,7 @@ mod tests {
         let effect = |name: &str, law| ExpectedEffect { name: name.to_owned(), law };
         let compliance = DMatrix::from_fn(n, n, |i, j| 1e-3 * if i == j { 1.0 } else { 0.1 });
         vec![
-            effect("terms", EffectLaw::Terms(vec![DriveParameters::of(&[(LOAD_FRICTION, 0.05), (STRIBECK, 0.4)]); n])),
+            effect("terms", EffectLaw::Terms(vec![[(LOAD_FRICTION, 0.05), (STRIBECK, 0.4)].into_iter().collect(); n])),
             effect("elastic", EffectLaw::Elastic { compliance, with_link: (0..n).map(|i| i == 1).collect() }),
             effect("late", EffectLaw::Late(2e-3)),
             effect("scaled", EffectLaw::Scaled(0.03)),

@@ -46,7 +46,7 @@ impl Default for LimitSettings {
 /// use armid::model::{bundled, format::{parse_nominal, parse_robot}};
 /// let robot = parse_robot(bundled()[0].robot).unwrap();
 /// let nominal = parse_nominal(bundled()[0].nominal, &robot).unwrap();
-/// let of = |settings: &LimitSettings| DesignLimits::of(&robot, Some(&nominal.parameters), Some(&nominal.relative_uncertainty), settings);
+/// let of = |settings: &LimitSettings| DesignLimits::for_robot(&robot, Some(&nominal.parameters), Some(&nominal.relative_uncertainty), settings);
 /// let limits = of(&LimitSettings::default()).unwrap();
 /// assert_eq!((limits.ramp_s, limits.clearance_m), (Some(2.0), Some(0.0)));
 /// assert!(limits.nominal.is_some() && limits.spread.is_some());
@@ -79,7 +79,7 @@ impl DesignLimits {
     ///
     /// # Errors
     /// [`ExcitationError`] where a setting is no number or outside its range.
-    pub fn of(
+    pub fn for_robot(
         robot: &Robot,
         nominal: Option<&StandardParameters>,
         uncertainty: Option<&RelativeUncertainty>,
@@ -90,13 +90,13 @@ impl DesignLimits {
         let margin =
             |kind| if kind == JointKind::Revolute { margin_deg.to_radians() } else { SLIDING_M_PER_DEG * margin_deg };
         let position_margin = robot.joints().iter().map(|joint| margin(joint.kind)).collect();
-        let mut limits = Self { ramp_s, clearance_m, position_margin, ..Self::of_motion() };
+        let mut limits = Self { ramp_s, clearance_m, position_margin, ..Self::motion() };
         if let Some(confidence) = confidence {
             if !CONFIDENCE.contains(&confidence) {
                 return Err(ExcitationError::Confidence { found: confidence });
             }
-            let multiple = ParameterSpread::multiple_of(confidence);
-            let spread = |(nominal, shares)| ParameterSpread::of(robot, nominal, shares, multiple);
+            let multiple = ParameterSpread::multiple_for(confidence);
+            let spread = |(nominal, shares)| ParameterSpread::new(robot, nominal, shares, multiple);
             limits.spread = nominal.zip(uncertainty).map(spread);
             limits.nominal = nominal.cloned();
             limits.margins.torque = if limits.spread.is_some() { 1.0 } else { WITHOUT_UNCERTAINTY };
@@ -106,7 +106,7 @@ impl DesignLimits {
     }
 
     /// Position, velocity, acceleration and jerk alone, on the period and not on ramps: neither torque, current nor clearance.
-    pub fn of_motion() -> Self {
+    pub fn motion() -> Self {
         Self {
             nominal: None,
             spread: None,
@@ -145,7 +145,7 @@ impl DesignLimits {
         }
         if let (Some(nominal), Some(spread)) = (&self.nominal, &self.spread) {
             // As many as the effort model has, which takes in what terms the nominal parameters have.
-            let columns = Columns::default().and_those_of(nominal);
+            let columns = Columns::default().with_terms_of(nominal);
             same_length("uncertain parameters", spread.deviations.len(), columns.parameters(robot).len())?;
         }
         if !self.position_margin.is_empty() {
@@ -180,12 +180,12 @@ mod tests {
                 })
                 .unwrap();
         }
-        let limits = DesignLimits { position_margin: vec![0.25, 0.0], ..DesignLimits::of_motion() };
+        let limits = DesignLimits { position_margin: vec![0.25, 0.0], ..DesignLimits::motion() };
         let inner = limits.inner_robot(&robot).unwrap();
         let ranges: Vec<(f64, f64)> = inner.joints().iter().map(|joint| joint.limits.position).collect();
         assert_eq!(ranges, [(-0.75, 1.75), (-0.5, 0.75)]);
         // More than the whole range leaves none.
-        let limits = DesignLimits { position_margin: vec![1.6, 0.0], ..DesignLimits::of_motion() };
+        let limits = DesignLimits { position_margin: vec![1.6, 0.0], ..DesignLimits::motion() };
         assert!(limits.inner_robot(&robot).is_err());
     }
 }

@@ -76,7 +76,7 @@ impl DesignObjective {
 
     /// Unit of each base parameter.
     pub(crate) fn units(&self) -> Vec<f64> {
-        let unit = |&column: &usize| self.reference_units.of(self.base.parameters[column].kind);
+        let unit = |&column: &usize| self.reference_units.unit(self.base.parameters[column].kind);
         self.base.kept.iter().map(unit).collect()
     }
 
@@ -98,7 +98,7 @@ impl DesignObjective {
         if !self.criterion.asks_for_prediction() {
             return Ok(());
         }
-        let motions = self.evaluation.clone().map_or_else(|| EvaluationMotions::usual(robot), Ok)?;
+        let motions = self.evaluation.clone().map_or_else(|| EvaluationMotions::default_for(robot), Ok)?;
         let usual = robot.dof() as f64 * space.period_s * robot.servo().rate_hz * RECORDED_PERIODS;
         let rows = self.rows.unwrap_or(usual);
         let prediction = motions.prediction(robot, regressor, &self.base, &space.frozen, self.expected.as_ref(), rows);

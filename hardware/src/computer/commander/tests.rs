@@ -107,8 +107,8 @@ fn part(from: usize, to: usize) -> Spline {
     let point = |k: usize| {
         let t = k as f64 * 0.05;
         let (mut q, mut qd, mut later) = ([0.0; 2], [0.0; 2], [0.0; 2]);
-        whole.at(t, &mut q, &mut qd);
-        whole.at(t + 1e-6, &mut [0.0; 2], &mut later);
+        whole.evaluate(t, &mut q, &mut qd);
+        whole.evaluate(t + 1e-6, &mut [0.0; 2], &mut later);
         let accelerations = if k.is_multiple_of(20) {
             vec![0.0; 2]
         } else {

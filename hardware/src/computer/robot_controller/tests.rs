@@ -8,8 +8,7 @@ fn controller(fault: Option<&str>) -> RobotController<FlyWheels> {
     let robot = armid::conformance::chains::planar_2r();
     let plant = FlyWheels([0.2, -0.1], [0.0; 2]);
     let fault = fault.map(|text| Fault::parse(text).unwrap());
-    let seed = (Seed::new(1), 0);
-    RobotController::new(&robot, &nominal(), plant, &Sensing::ideal(), seed, (500.0, 7_000_000_000))
+    RobotController::new(&robot, &nominal(), plant, &Sensing::ideal(), Seed::new(1), 0, 500.0, 7_000_000_000)
         .unwrap()
         .with_fault(fault)
 }
@@ -148,11 +147,11 @@ fn what_does_not_fit_is_refused() {
     let robot = armid::conformance::chains::planar_2r();
     let wrong = StandardParameters::zero(3);
     let plant = FlyWheels([0.0; 2], [0.0; 2]);
-    let made = RobotController::new(&robot, &wrong, plant, &Sensing::ideal(), (Seed::new(1), 0), (500.0, 0));
+    let made = RobotController::new(&robot, &wrong, plant, &Sensing::ideal(), Seed::new(1), 0, 500.0, 0);
     assert!(matches!(made, Err(RobotControllerError::Servo(_))));
     for rate in [300.0, 2000.0, 0.0, f64::NAN] {
         let plant = FlyWheels([0.0; 2], [0.0; 2]);
-        let made = RobotController::new(&robot, &nominal(), plant, &Sensing::ideal(), (Seed::new(1), 0), (rate, 0));
+        let made = RobotController::new(&robot, &nominal(), plant, &Sensing::ideal(), Seed::new(1), 0, rate, 0);
         assert!(matches!(made, Err(RobotControllerError::Rate { .. })), "{rate}");
     }
 }

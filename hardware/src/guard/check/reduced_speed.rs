@@ -103,7 +103,7 @@ mod tests {
         assert!(said(&robot, 0.36).unwrap().contains("\"flange\" moves at 252 mm/s"));
         let position = robot.poses(&[0.0; 2])[1].translation;
         let tip = NamedPoint { name: "tip".to_owned(), link: 2, position };
-        let armed = robot.changed(|spec| spec.points = vec![tip]).unwrap();
+        let armed = robot.with_spec(|spec| spec.points = vec![tip]).unwrap();
         assert_eq!(said(&armed, 0.175), None);
         assert!(said(&armed, 0.19).unwrap().contains("\"tip\" moves at 266 mm/s"));
     }

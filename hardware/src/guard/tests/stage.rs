@@ -301,7 +301,7 @@ impl Machine for Stage {
         let layout = plan.check(self.robot.dof())?;
         Ok(Recording {
             effort_unit: EffortInterface::Current,
-            ..Recording::begun(&self.robot, "", plan, &layout, None)
+            ..Recording::empty(&self.robot, "", plan, &layout, None)
         })
     }
 

@@ -29,7 +29,7 @@ pub(crate) fn corrected(
 /// The only correction.
 fn one(read_as: &Mapping, columns: &[(Quantity, Vec<String>)], mistake: &Mistake, robot: &Robot) -> Option<Mapping> {
     // A change of commands or positions alone would change the torque that is made of both.
-    if read_as.of(Quantity::Command).is_some() {
+    if read_as.columns(Quantity::Command).is_some() {
         return None;
     }
     let mut mapping = read_as.clone();
@@ -72,11 +72,11 @@ fn one(read_as: &Mapping, columns: &[(Quantity, Vec<String>)], mistake: &Mistake
             });
         }
         Mistake::MotorAngles => change(&mut mapping, &positions, &|map| map.motor = true),
-        Mistake::PositionUnit { factor } => match position_unit(read_as.of(Quantity::Position)?, factor) {
+        Mistake::PositionUnit { factor } => match position_unit(read_as.columns(Quantity::Position)?, factor) {
             Some(unit) => change(&mut mapping, &positions[..1], &|map| map.unit = Some(unit)),
             None => {
                 // One gear for all, to begin with; one that none has is in degrees.
-                let (unit, gear) = match read_as.of(Quantity::Position)?.unit {
+                let (unit, gear) = match read_as.columns(Quantity::Position)?.unit {
                     None | Some(Unit::Rad) if factor.recip() > LARGEST_GEAR => {
                         (Some(Unit::Deg), Unit::Deg.si() / factor)
                     }
@@ -88,14 +88,14 @@ fn one(read_as: &Mapping, columns: &[(Quantity, Vec<String>)], mistake: &Mistake
             }
         },
         Mistake::MotorTorques => {
-            let torque = read_as.of(Quantity::Torque)?;
+            let torque = read_as.columns(Quantity::Torque)?;
             if torque.motor {
                 return None;
             }
             change(&mut mapping, &efforts, &|map| map.motor = true);
         }
         Mistake::EffortUnit { factor } => {
-            let of = efforts.into_iter().find(|quantity| read_as.of(*quantity).is_some())?;
+            let of = efforts.into_iter().find(|quantity| read_as.columns(*quantity).is_some())?;
             if factor == 1e-3 {
                 let unit = if of == Quantity::Current { Unit::Ma } else { Unit::MilliNm };
                 change(&mut mapping, &[of], &|map| map.unit = Some(unit));
@@ -160,7 +160,7 @@ mod tests {
         let read_as = Mapping::parse("t=#1, q=a/b/c deg sign=-1, tau=#[5-7]").unwrap();
         let names = |names: [&str; 3]| names.map(str::to_owned).to_vec();
         let columns = [(Quantity::Position, names(["a", "b", "c"])), (Quantity::Torque, names(["#5", "#6", "#7"]))];
-        let robot = crate::robot::named("planar-2r").unwrap().robot;
+        let robot = crate::robot::find("planar-2r").unwrap().robot;
         for (mistake, wanted) in [
             (Mistake::JointsSwapped { joints: [2, 3] }, "t=#1, q=a/c/b deg sign=-1, tau=#5/#7/#6"),
             (Mistake::PositionsSwapped { joints: [1, 3] }, "t=#1, q=c/b/a deg sign=-1, tau=#[5-7]"),
@@ -183,7 +183,7 @@ mod tests {
 
     /// The texts of the corrections of a log that was read by a mapping.
     fn texts(read_as: &str, mistake: &Mistake) -> Vec<String> {
-        let robot = crate::robot::named("staubli-tx40").unwrap().robot;
+        let robot = crate::robot::find("staubli-tx40").unwrap().robot;
         let read_as = Mapping::parse(read_as).unwrap();
         let names = |from: usize| (from..from + 6).map(|k| format!("#{k}")).collect::<Vec<_>>();
         let columns = [(Quantity::Position, names(2)), (Quantity::Torque, names(8))];

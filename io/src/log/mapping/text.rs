@@ -19,7 +19,7 @@ impl Mapping {
     /// ```
     /// use armid_io::log::{Mapping, Quantity};
     /// let mapping = Mapping::parse("t=time_ms, q=joint_[1-6]_pos deg, current=actual_current_[1-6]")?;
-    /// assert_eq!(mapping.of(Quantity::Position).map(|map| map.columns.as_str()), Some("joint_[1-6]_pos"));
+    /// assert_eq!(mapping.columns(Quantity::Position).map(|map| map.columns.as_str()), Some("joint_[1-6]_pos"));
     /// # Ok::<(), armid_io::Error>(())
     /// ```
     ///
@@ -47,7 +47,7 @@ impl Mapping {
                 let expected = suggestion::help(key, &keys);
                 return Err(format!("found \"{key}\"; {expected}"));
             };
-            if mapping.of(quantity).is_some() {
+            if mapping.columns(quantity).is_some() {
                 return Err(format!("\"{key}\" occurs twice, expected each once"));
             }
             mapping.columns.push(ColumnMap::parse(quantity, value)?);
@@ -56,7 +56,7 @@ impl Mapping {
         if mapping.columns.is_empty() && mapping.topic.is_some() {
             return Ok(mapping);
         }
-        if mapping.of(Quantity::Position).is_none() {
+        if mapping.columns(Quantity::Position).is_none() {
             return Err("q is missing, expected the columns of the positions".to_owned());
         }
         let efforts: Vec<&str> =
@@ -69,7 +69,7 @@ impl Mapping {
     }
 
     /// The columns of a quantity, where the mapping has them.
-    pub fn of(&self, quantity: Quantity) -> Option<&ColumnMap> {
+    pub fn columns(&self, quantity: Quantity) -> Option<&ColumnMap> {
         self.columns.iter().find(|map| map.quantity == quantity)
     }
 
@@ -128,7 +128,7 @@ mod tests {
         let mapping = Mapping::parse("tau=\"torque, [1-2]\" Nm, q=p[1-2], t=time_ms").unwrap();
         let columns: Vec<&str> = mapping.columns.iter().map(|map| map.columns.as_str()).collect();
         assert_eq!(columns, ["time_ms", "p[1-2]", "torque, [1-2]"]);
-        assert!(!mapping.names_files() && mapping.of(Quantity::Velocity).is_none());
+        assert!(!mapping.names_files() && mapping.columns(Quantity::Velocity).is_none());
         assert!(Mapping::parse("q=a:p[1-2], tau=b:p[1-2]").unwrap().names_files());
     }
 

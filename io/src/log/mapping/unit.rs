@@ -124,7 +124,7 @@ impl Unit {
     }
 
     /// The unit that a heading ends with, `pos_deg` or `pos [deg]`, and what stands in front of it.
-    pub fn of_heading<'a>(heading: &'a str, among: &[Self]) -> Option<(Self, &'a str)> {
+    pub fn in_heading<'a>(heading: &'a str, among: &[Self]) -> Option<(Self, &'a str)> {
         let heading = heading.trim();
         for (open, close) in [('[', ']'), ('(', ')')] {
             if let Some((front, word)) = heading.strip_suffix(close).and_then(|inner| inner.rsplit_once(open))
@@ -161,11 +161,11 @@ mod tests {
     #[test]
     fn headings_may_end_with_their_unit() {
         let position = Quantity::Position.units();
-        assert_eq!(Unit::of_heading("joint_1_pos_deg", position), Some((Unit::Deg, "joint_1_pos")));
-        assert_eq!(Unit::of_heading("joint 1 [deg]", position), Some((Unit::Deg, "joint 1")));
-        assert_eq!(Unit::of_heading("pos_1", position), None);
-        assert_eq!(Unit::of_heading("time_ms", Quantity::Time.units()), Some((Unit::Ms, "time")));
-        assert_eq!(Unit::of_heading("vel_1_rad_s", Quantity::Velocity.units()), Some((Unit::RadPerS, "vel_1")));
-        assert_eq!(Unit::of_heading("tau1_Nm", Quantity::Torque.units()), Some((Unit::Nm, "tau1")));
+        assert_eq!(Unit::in_heading("joint_1_pos_deg", position), Some((Unit::Deg, "joint_1_pos")));
+        assert_eq!(Unit::in_heading("joint 1 [deg]", position), Some((Unit::Deg, "joint 1")));
+        assert_eq!(Unit::in_heading("pos_1", position), None);
+        assert_eq!(Unit::in_heading("time_ms", Quantity::Time.units()), Some((Unit::Ms, "time")));
+        assert_eq!(Unit::in_heading("vel_1_rad_s", Quantity::Velocity.units()), Some((Unit::RadPerS, "vel_1")));
+        assert_eq!(Unit::in_heading("tau1_Nm", Quantity::Torque.units()), Some((Unit::Nm, "tau1")));
     }
 }

@@ -75,7 +75,7 @@ mod tests {
                 joint.drive.shapes.insert(JointSpring::REST.key.to_owned(), 0.25);
             })
             .unwrap();
-        let effects = Effects::none().with(EffectKind::Cable, 0.02);
+        let effects = Effects::none().with_effect(EffectKind::Cable, 0.02);
         let arm = ActualArm::new(&effects, &robot, &StandardParameters::zero(2));
         let mut tau = [0.0; 2];
         let q = [0.75, -1.25];

@@ -47,7 +47,7 @@ mod tests {
             truth.drives[0][term] = value;
         }
         for seed in 0..4 {
-            let effects = Effects::none().with(EffectKind::DirectionFriction, 0.2).with_seed(Seed::new(seed));
+            let effects = Effects::none().with_effect(EffectKind::DirectionFriction, 0.2).with_seed(Seed::new(seed));
             let arm = ActualArm::new(&effects, &robot, &truth);
             let mut dynamics = Dynamics::new(arm.robot(), arm.parameters());
             let mut friction = |v: f64| {
@@ -73,8 +73,8 @@ mod tests {
 
     #[test]
     fn signs_differ_by_joint_and_a_joint_without_friction_stays_without() {
-        let mut drives = vec![DriveParameters::of(&[(COULOMB, 2.0)]); 40];
-        drives[7] = DriveParameters::of(&[(VISCOUS, 1.0)]);
+        let mut drives = vec![DriveParameters::from_iter([(COULOMB, 2.0)]); 40];
+        drives[7] = DriveParameters::from_iter([(VISCOUS, 1.0)]);
         add(&mut drives, 0.2, Seed::new(3));
         assert!(drives.iter().enumerate().all(|(i, d)| d[COULOMB_DIRECTION].abs() == if i == 7 { 0.0 } else { 0.4 }));
         // 39 fair signs are all equal once in 3e11.

@@ -109,7 +109,7 @@ impl MotorSide {
     /// link meanwhile, N·m. `friction` is what friction takes at a speed.
     pub(super) fn step(&mut self, h: f64, torque: f64, (q, qd): (f64, f64), friction: impl Fn(f64) -> f64) -> f64 {
         let rate = self.qd - qd;
-        let lead = self.error.at(self.q + 0.5 * h * self.qd);
+        let lead = self.error.lead(self.q + 0.5 * h * self.qd);
         let wound = self.q - q + 0.5 * h * rate + lead.angle;
         let spring = self.spring.torque(wound, rate + lead.slope * self.qd);
         let on_rotor = (1.0 + lead.slope) * spring;
@@ -187,15 +187,15 @@ mod tests {
         let error = TransmissionError::of_motors(&[(100.0, true)], 5e-4, crate::seed::Seed::new(6))[0];
         for (speed, wound) in [(1.0, 1e-2), (0.05, 1e-6)] {
             let mut motor = MotorSide::new(Spring::new(stiffness, 0.0, 0.0), rotor, 0.0, h, 0.3).with_error(error);
-            assert!((motor.q + error.at(motor.q).angle - 0.3).abs() < 1e-15);
+            assert!((motor.q + error.lead(motor.q).angle - 0.3).abs() < 1e-15);
             motor.qd = speed;
-            let (mut q, mut qd) = (0.3, speed * (1.0 + error.at(motor.q).slope));
+            let (mut q, mut qd) = (0.3, speed * (1.0 + error.lead(motor.q).slope));
             let (mut before, mut most, mut swing, mut strayed) = (None, 0.0_f64, 0.0_f64, 0.0_f64);
             for _ in 0..20_000 {
                 let torque = motor.step(h, 0.0, (q, qd), |_| 0.0);
                 q += h * (qd + 0.5 * h * torque / link);
                 qd += h * torque / link;
-                let delta = motor.q + error.at(motor.q).angle - q;
+                let delta = motor.q + error.lead(motor.q).angle - q;
                 let kinetic = 0.5 * rotor * motor.qd * motor.qd + 0.5 * link * qd * qd;
                 let energy = kinetic + 0.5 * stiffness * delta * delta;
                 let first = *before.get_or_insert(energy);

@@ -37,7 +37,7 @@ impl Effects {
     pub fn expected_by(criterion: &dyn Criterion) -> Self {
         let kinds = [Kind::LoadFriction, Kind::Elasticity, Kind::CurrentLag, Kind::TorqueConstant, Kind::Stribeck];
         let count = if criterion.predicts_measured_torque() { kinds.len() } else { 2 };
-        kinds[..count].iter().fold(Self::none(), |effects, &kind| effects.with(kind, kind.entry().realistic))
+        kinds[..count].iter().fold(Self::none(), |effects, &kind| effects.with_effect(kind, kind.entry().realistic))
     }
 
     /// These effects one by one, as a design expects them of `robot` with its `nominal` parameters: each magnitude is the
@@ -68,11 +68,11 @@ impl Effects {
                 Kind::CurrentDelay => EffectLaw::Late(magnitude / robot.servo().rate_hz),
                 Kind::TorqueConstant => EffectLaw::Scaled(magnitude),
                 Kind::Stribeck | Kind::LoadFriction => {
-                    let arm = ActualArm::new(&Self::none().with(kind, magnitude), robot, nominal);
+                    let arm = ActualArm::new(&Self::none().with_effect(kind, magnitude), robot, nominal);
                     EffectLaw::Terms(added(&arm.drives, &nominal.drives))
                 }
                 Kind::Elasticity => {
-                    ActualArm::new(&Self::none().with(kind, magnitude), robot, nominal).elastic_law(robot)
+                    ActualArm::new(&Self::none().with_effect(kind, magnitude), robot, nominal).elastic_law(robot)
                 }
                 _ => return Err(ExpectedEffectError::NoLaw { found: kind }),
             };
@@ -86,8 +86,8 @@ impl Effects {
 /// What drives have beside those that they were made from.
 fn added(with: &[DriveParameters], without: &[DriveParameters]) -> Vec<DriveParameters> {
     let difference = |(with, without): (&DriveParameters, &DriveParameters)| {
-        let terms: Vec<_> = with.iter().map(|(term, value)| (term, value - without[term])).collect();
-        DriveParameters::of(&terms.into_iter().filter(|(_, value)| *value != 0.0).collect::<Vec<_>>())
+        let terms = with.iter().map(|(term, value)| (term, value - without[term]));
+        terms.filter(|(_, value)| *value != 0.0).collect()
     };
     with.iter().zip(without).map(difference).collect()
 }
@@ -143,7 +143,7 @@ mod tests {
         let robot = parse_robot(bundled()[0].robot).unwrap();
         let nominal = parse_nominal(bundled()[0].nominal, &robot).unwrap().parameters;
         let law = |kind, magnitude| {
-            let expected = Effects::none().with(kind, magnitude).expected(&robot, &nominal).unwrap();
+            let expected = Effects::none().with_effect(kind, magnitude).expected(&robot, &nominal).unwrap();
             expected.effects[0].law.clone()
         };
         let EffectLaw::Elastic { compliance, with_link } = law(Kind::Elasticity, 3.0) else { panic!() };

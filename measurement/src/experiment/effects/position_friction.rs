@@ -41,7 +41,7 @@ mod tests {
         let robot = hinges::single();
         let mut truth = StandardParameters::zero(1);
         truth.drives[0][COULOMB] = 4.0;
-        let effects = Effects::none().with(EffectKind::PositionFriction, 0.3).with_seed(Seed::new(5));
+        let effects = Effects::none().with_effect(EffectKind::PositionFriction, 0.3).with_seed(Seed::new(5));
         let arm = ActualArm::new(&effects, &robot, &truth);
         let mut dynamics = Dynamics::new(arm.robot(), arm.parameters());
         for direction in [1.0, -1.0] {

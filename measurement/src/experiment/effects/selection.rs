@@ -53,7 +53,7 @@ impl Effects {
     /// # Panics
     /// If the magnitude is below zero, above [`EffectEntry::most`](super::EffectEntry::most), or no number.
     #[must_use]
-    pub fn with(mut self, kind: EffectKind, magnitude: f64) -> Self {
+    pub fn with_effect(mut self, kind: EffectKind, magnitude: f64) -> Self {
         if let Some(expected) = fault(kind, magnitude) {
             panic!("{} is {magnitude}, expected {expected}", kind.name());
         }
@@ -67,7 +67,7 @@ impl Effects {
 
     /// One effect alone.
     pub fn only(kind: EffectKind, level: Level) -> Self {
-        Self::none().with(kind, kind.magnitude(level))
+        Self::none().with_effect(kind, kind.magnitude(level))
     }
 
     /// Returns these effects on another arm.
@@ -77,9 +77,9 @@ impl Effects {
         self
     }
 
-    /// These effects, and `others` where they say more: theirs count where both have one.
+    /// Returns these effects and the others. The others count where both have an effect or a seed.
     #[must_use]
-    pub fn and(&self, others: &Self) -> Self {
+    pub fn overridden_by(&self, others: &Self) -> Self {
         let mut both = self.clone();
         both.magnitudes.extend(&others.magnitudes);
         if others.seed.value() != 0 {
@@ -205,7 +205,7 @@ impl<'de> Visitor<'de> for Table {
             match key {
                 Key::Seed => effects.seed = map.next_value()?,
                 Key::Effect(kind) => {
-                    effects = effects.with(kind, map.next_value_seed(Magnitude(kind))?);
+                    effects = effects.with_effect(kind, map.next_value_seed(Magnitude(kind))?);
                 }
             }
         }
@@ -245,7 +245,7 @@ mod tests {
     fn identity_text_and_back() {
         for level in Level::ALL {
             for &kind in EffectKind::ALL {
-                let effects = Effects::only(kind, level).with(EffectKind::Tool, 0.125).with_seed(Seed::new(3));
+                let effects = Effects::only(kind, level).with_effect(EffectKind::Tool, 0.125).with_seed(Seed::new(3));
                 let text = toml::to_string(&effects).unwrap();
                 assert_eq!(toml::from_str::<Effects>(&text).unwrap(), effects, "{text}");
             }
@@ -272,7 +272,7 @@ mod tests {
     #[test]
     fn effects_of_two_sources_are_joined_and_the_later_counts() {
         let of = |text: &str| toml::from_str::<Effects>(text).unwrap();
-        let both = of("tool = 0.5\nbacklash = 1.0").and(&of("tool = 0.2\nseed = 4"));
+        let both = of("tool = 0.5\nbacklash = 1.0").overridden_by(&of("tool = 0.2\nseed = 4"));
         assert_eq!(both, of("tool = 0.2\nbacklash = 1.0\nseed = 4"));
     }
 }

@@ -58,7 +58,7 @@ impl TransmissionError {
     }
 
     /// The lead where the motor is at `q` after its gear, rad.
-    pub(super) fn at(&self, q: f64) -> Lead {
+    pub(super) fn lead(&self, q: f64) -> Lead {
         let mut lead = Lead::default();
         if self.amplitude == 0.0 {
             return lead;
@@ -80,7 +80,7 @@ impl TransmissionError {
 
     /// Where the motor of a link at `link` is, rad.
     pub(super) fn motor(&self, link: f64) -> f64 {
-        (0..STEPS).fold(link, |q, _| link - self.at(q).angle)
+        (0..STEPS).fold(link, |q, _| link - self.lead(q).angle)
     }
 }
 
@@ -107,13 +107,14 @@ mod tests {
         let (gear, amplitude, count) = (100.0, 2e-4, 720);
         let error = TransmissionError::of_motors(&[(gear, true)], amplitude, Seed::new(2))[0];
         let turn = std::f64::consts::TAU / gear;
-        let at = |k: i32| error.at(turn * f64::from(k) / f64::from(count)).angle;
+        let at = |k: i32| error.lead(turn * f64::from(k) / f64::from(count)).angle;
         // Half a turn on, the even part is the same and the odd one opposite.
         let part = |sign: f64| (0..count).map(|k| (0.5 * (at(k) + sign * at(k + count / 2))).powi(2)).sum::<f64>();
         let mean = f64::from(count);
         assert!((part(1.0) / mean / (0.5 * amplitude * amplitude) - 1.0).abs() < 1e-10);
         assert!((part(-1.0) / mean / (0.125 * amplitude * amplitude) - 1.0).abs() < 1e-10);
-        assert_eq!(TransmissionError::of_motors(&[(gear, false)], amplitude, Seed::new(2))[0].at(0.3), Lead::default());
+        let sliding = &TransmissionError::of_motors(&[(gear, false)], amplitude, Seed::new(2))[0];
+        assert_eq!(sliding.lead(0.3), Lead::default());
     }
 
     #[test]
@@ -121,7 +122,7 @@ mod tests {
         let error = TransmissionError::of_motors(&[(100.0, true)], 1e-3, Seed::new(4))[0];
         for k in 0..50 {
             let (q, h) = (0.037 * f64::from(k), 1e-6);
-            let (before, here, after) = (error.at(q - h), error.at(q), error.at(q + h));
+            let (before, here, after) = (error.lead(q - h), error.lead(q), error.lead(q + h));
             // Truncation h²/6 (2N)³ a, and (2N)⁴ a.
             assert!(((after.angle - before.angle) / (2.0 * h) - here.slope).abs() < 1e-8);
             assert!(((after.slope - before.slope) / (2.0 * h) - here.curvature).abs() < 1e-5);

@@ -80,7 +80,7 @@ impl UnevenLinks {
         // Positions, velocities and accelerations in turn, each by what the motors lead and lag.
         transmission.motor_motion(&self.q, &mut self.motor);
         for i in 0..n {
-            self.leads[i] = self.errors[i].at(self.motor[i]);
+            self.leads[i] = self.errors[i].lead(self.motor[i]);
             self.motor[i] = self.leads[i].angle;
         }
         transmission.joint_motion(&self.motor, &mut self.joint);
@@ -142,7 +142,7 @@ mod tests {
                 let (mut motor, mut q) = ([0.0; 3], [0.0; 3]);
                 transmission.motor_motion(&plant(t), &mut motor);
                 for i in 0..3 {
-                    motor[i] += errors[i].at(motor[i]).angle;
+                    motor[i] += errors[i].lead(motor[i]).angle;
                 }
                 transmission.joint_motion(&motor, &mut q);
                 q
@@ -188,7 +188,7 @@ mod tests {
         rotational[(2, 2)] = hinges::INERTIA - 0.5;
         truth.links[0] = Inertia { rotational, ..Inertia::zero() };
         truth.drives[0][ROTOR] = 0.5;
-        let effects = Effects::none().with(EffectKind::TransmissionError, 0.5).with_seed(Seed::new(2));
+        let effects = Effects::none().with_effect(EffectKind::TransmissionError, 0.5).with_seed(Seed::new(2));
         let arm = ActualArm::new(&effects, &robot, &truth);
         let error = arm.transmission_errors()[0];
         let (transmission, start) = (Transmission::new(&robot), 0.3);
@@ -207,7 +207,7 @@ mod tests {
                 plant.step(&tau, h).unwrap();
             }
             let (q, qd) = (plant.state().0[0], plant.state().1[0]);
-            let lead = error.at(q);
+            let lead = error.lead(q);
             let link = (1.0 + lead.slope) * qd;
             let energy = 0.5 * 0.5 * qd * qd + 0.5 * 1.5 * link * link;
             let work = transmission.per_ampere[0] * current * (q - start);

@@ -36,7 +36,7 @@ impl Relative {
 
     /// Value of a letter on this arm.
     pub(super) fn letter(&self, symbol: Symbol) -> f64 {
-        self.geometry.dh[symbol.joint].map_or(f64::NAN, |(_, row)| symbol.of(&row))
+        self.geometry.dh[symbol.joint].map_or(f64::NAN, |(_, row)| symbol.value_in_row(&row))
     }
 }
 

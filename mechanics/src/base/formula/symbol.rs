@@ -34,11 +34,11 @@ pub struct Symbol {
 impl Symbol {
     /// Its value on a robot, m or 1; `None` where the joint is not given by a DH row.
     pub fn value(self, robot: &Robot) -> Option<f64> {
-        robot.joints().get(self.joint)?.dh.map(|(_, row)| self.of(&row))
+        robot.joints().get(self.joint)?.dh.map(|(_, row)| self.value_in_row(&row))
     }
 
     /// Its value in a row.
-    pub(super) fn of(self, row: &DhRow) -> f64 {
+    pub(super) fn value_in_row(self, row: &DhRow) -> f64 {
         match self.quantity {
             Quantity::A => row.a,
             Quantity::D => row.d,
@@ -89,7 +89,7 @@ impl Variable {
             let Some((_, row)) = row else { continue };
             for quantity in [Quantity::A, Quantity::D] {
                 let symbol = Symbol { quantity, joint };
-                if symbol.of(row) != 0.0 {
+                if symbol.value_in_row(row) != 0.0 {
                     variables.push(Self::Length(symbol));
                 }
             }

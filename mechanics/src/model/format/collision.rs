@@ -83,7 +83,7 @@ impl CollisionShape {
             let (from, to) = (placement.point(&-along), placement.point(&along));
             Solid::Capsule(Capsule { from, to, radius })
         };
-        let around = |points: Vec<Vector3<f64>>| Hull::around(&points).map(Solid::Hull);
+        let around = |points: Vec<Vector3<f64>>| Hull::enclosing(&points).map(Solid::Hull);
         match self.geometry.as_ref().ok()? {
             Geometry::Cuboid(half) if half.min() > 0.0 => {
                 Some(Solid::Cuboid(Cuboid { placement: *placement, half: *half }))

@@ -25,7 +25,7 @@ pub(super) fn parse_xml(text: &str) -> Result<Document<'_>, FormatError> {
         let here = node.parent().map_or(0, |parent| depth[parent.id().get_usize()] + 1);
         if here > DEEPEST {
             let message = format!("an element inside {DEEPEST} others, expected fewer");
-            return Err(FormatError::at(text, node.range(), message));
+            return Err(FormatError::at_span(text, node.range(), message));
         }
         depth.resize(node.id().get_usize() + 1, here);
     }

@@ -48,24 +48,24 @@ pub(super) struct EmbeddedTable {
 ///
 /// ```
 /// # use armid_mechanics as armid;
-/// use armid::model::format::{embed_urdf, urdf_of};
+/// use armid::model::format::{embed_urdf, named_urdf};
 /// let text = "urdf = \"arm.urdf\"\ntip_link = \"flange\"\n";
-/// let reference = urdf_of(text)?.unwrap();
+/// let reference = named_urdf(text)?.unwrap();
 /// assert_eq!((reference.path.as_str(), reference.ends.tip.as_deref()), ("arm.urdf", Some("flange")));
 /// let whole = embed_urdf(text, "<robot name=\"arm\"/>\n");
-/// assert_eq!(urdf_of(&whole)?.unwrap().text.as_deref(), Some("<robot name=\"arm\"/>\n"));
-/// assert_eq!(urdf_of("name = \"arm\"")?, None);
+/// assert_eq!(named_urdf(&whole)?.unwrap().text.as_deref(), Some("<robot name=\"arm\"/>\n"));
+/// assert_eq!(named_urdf("name = \"arm\"")?, None);
 /// # Ok::<(), armid::model::format::FormatError>(())
 /// ```
 ///
 /// # Errors
 /// [`FormatError`] where the text is no TOML, or `urdf` is no text.
-pub fn urdf_of(text: &str) -> Result<Option<UrdfReference>, FormatError> {
+pub fn named_urdf(text: &str) -> Result<Option<UrdfReference>, FormatError> {
     let table: ReferenceTable = super::reading::read(text)?;
     let Some(urdf) = table.urdf else { return Ok(None) };
     let Some(path) = urdf.get_ref().as_str() else {
         let message = format!("urdf is {}, expected the path of a file", urdf.get_ref());
-        return Err(FormatError::at(text, urdf.span(), message));
+        return Err(FormatError::at_span(text, urdf.span(), message));
     };
     let name = |value: Option<toml::Value>| value.and_then(|value| value.as_str().map(str::to_owned));
     let embedded = table.embedded.as_ref().and_then(|table| table.get("urdf")).and_then(toml::Value::as_str);
@@ -94,20 +94,20 @@ fn toml_text(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{embed_urdf, urdf_of};
+    use super::{embed_urdf, named_urdf};
     use proptest::prelude::*;
 
     proptest! {
         #[test]
         fn identity_an_embedded_text_is_read_as_it_was(text in "[\\x00-\\x7fäπ\u{feff}\u{2028}]{0,60}") {
             let whole = embed_urdf("urdf = \"a.urdf\"", &text);
-            prop_assert_eq!(urdf_of(&whole).unwrap().unwrap().text.unwrap(), text);
+            prop_assert_eq!(named_urdf(&whole).unwrap().unwrap().text.unwrap(), text);
         }
 
         #[test]
         fn identity_quotes_and_line_ends_are_kept(text in "['\"\\\\\r\nb]{0,12}") {
             let whole = embed_urdf("urdf = \"a.urdf\"\n", &text);
-            prop_assert_eq!(urdf_of(&whole).unwrap().unwrap().text.unwrap(), text);
+            prop_assert_eq!(named_urdf(&whole).unwrap().unwrap().text.unwrap(), text);
         }
     }
 }

@@ -26,7 +26,7 @@ pub struct FormatError {
 
 impl FormatError {
     /// A fault at some bytes of a text.
-    pub fn at(text: &str, span: Range<usize>, message: impl Into<String>) -> Self {
+    pub fn at_span(text: &str, span: Range<usize>, message: impl Into<String>) -> Self {
         let mut start = span.start.min(text.len());
         while !text.is_char_boundary(start) {
             start -= 1;
@@ -51,6 +51,6 @@ impl FormatError {
 
     /// A fault of TOML's grammar or of the shape that a table must have.
     pub fn of_toml(text: &str, fault: &toml::de::Error) -> Self {
-        Self::at(text, fault.span().unwrap_or(0..0), fault.message().trim_end())
+        Self::at_span(text, fault.span().unwrap_or(0..0), fault.message().trim_end())
     }
 }

@@ -231,7 +231,7 @@ fn analytic_both_forms_of_a_link_are_read() {
     assert_eq!(subjects, ["link turn", "drive slide"]);
     let nominal = parse_nominal(&format!("{UNCERTAINTY}{PARAMETERS}"), &robot).unwrap();
     assert_eq!(nominal.parameters, file.parameters);
-    assert_eq!((nominal.relative_uncertainty.of(ROTOR), nominal.relative_uncertainty.of(OFFSET)), (0.2, 1.0));
+    assert_eq!((nominal.relative_uncertainty.of_term(ROTOR), nominal.relative_uncertainty.of_term(OFFSET)), (0.2, 1.0));
 }
 
 #[test]

@@ -54,7 +54,8 @@ const PASSED_OVER: [&str; 6] = ["geom", "site", "camera", "light", "body", "iner
 pub fn parse_mjcf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatError> {
     let document = parse_xml(text)?;
     let root = Element::root(&document);
-    read_tree(root, &Settings::read(root)?)?.chain(ends).map(|model| model.read_from(text))
+    let model = read_tree(root, &Settings::read(root)?)?.chain(ends)?;
+    Ok(ImportedModel { robot: model.robot.with_source(text), ..model })
 }
 
 /// The bodies of a model.
@@ -249,7 +250,7 @@ impl JointReader<'_, '_> {
             kind,
             axis: Placement::new(turn_z_to(&axis), position),
             limits: self.limits(kind)?,
-            drive: DriveParameters::of(&[
+            drive: DriveParameters::from_iter([
                 (ROTOR, not_negative("armature")?),
                 (VISCOUS, not_negative("damping")?),
                 (COULOMB, not_negative("frictionloss")?),

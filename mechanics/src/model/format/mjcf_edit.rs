@@ -171,8 +171,8 @@ mod tests {
             let about = Matrix3::new(0.5, 0.02, 0.01, 0.02, 0.6, -0.03, 0.01, -0.03, 0.7);
             *link = Inertia::from_com(3.0, Vector3::new(0.01, 0.02, -0.03), about);
         }
-        parameters.drives[0] = DriveParameters::of(&[(VISCOUS, 0.7), (COULOMB, 0.4)]);
-        parameters.drives[1] = DriveParameters::of(&[(ROTOR, 0.25), (VISCOUS, 3.0)]);
+        parameters.drives[0] = DriveParameters::from_iter([(VISCOUS, 0.7), (COULOMB, 0.4)]);
+        parameters.drives[1] = DriveParameters::from_iter([(ROTOR, 0.25), (VISCOUS, 3.0)]);
         let robot = read.robot.with_joints(|joint| joint.limits.torque = 40.0).unwrap();
         let edited = edit_mjcf(SCENE, &ends, &robot, &parameters).unwrap();
         assert!(edited.remarks.is_empty(), "{:?}", edited.remarks);

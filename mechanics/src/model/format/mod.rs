@@ -66,7 +66,7 @@ mod urdf_robot_tests;
 mod urdf_tests;
 
 pub use collision::{CollisionShape, Geometry};
-pub use embedded_urdf::{UrdfReference, embed_urdf, urdf_of};
+pub use embedded_urdf::{UrdfReference, embed_urdf, named_urdf};
 pub use error::FormatError;
 pub use mjcf::parse_mjcf;
 pub use mjcf_edit::edit_mjcf;

@@ -25,7 +25,7 @@ use crate::model::term::{ShapeParameter, Term};
 /// [`FormatError`] with line and column: a name that the robot does not have (with those most like it), one that is
 /// there twice, a value that is no finite number.
 pub fn parse_parameter_map(text: &str, robot: &Robot) -> Result<(StandardParameters, Robot), FormatError> {
-    let ids = Term::ALL.iter().fold(Columns::RIGID, |columns, &term| columns.with(term)).parameters(robot);
+    let ids = Term::ALL.iter().fold(Columns::RIGID, |columns, &term| columns.with_term(term)).parameters(robot);
     let named: Vec<(String, ParameterId)> = ids.into_iter().map(|id| (id.to_string(), id)).collect();
     let mut parameters = StandardParameters::zero(robot.dof());
     let mut drives: Vec<Drive> = robot.joints().iter().map(|joint| joint.drive.clone()).collect();

@@ -27,9 +27,9 @@ pub fn write_parameters(robot: &Robot, parameters: &StandardParameters, header: 
     for (index, (joint, drive)) in robot.joints().iter().zip(&parameters.drives).enumerate() {
         let name = toml::Value::from(joint.name.as_str());
         let _ = write!(out, "\n[[drive]]\njoint = {name}\n");
-        let stated = Columns::default().and_those_of(parameters);
+        let stated = Columns::default().with_terms_of(parameters);
         for term in stated.terms().filter(|term| term.is_at(robot, index)) {
-            let _ = writeln!(out, "{} = {:?}", term.entry().key.of(joint.kind), drive[term]);
+            let _ = writeln!(out, "{} = {:?}", term.entry().key.for_kind(joint.kind), drive[term]);
         }
         for shape in laws(drive) {
             let _ = writeln!(out, "{} = {:?}", shape.key, joint.drive.shape(&shape));

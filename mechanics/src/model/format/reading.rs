@@ -35,7 +35,7 @@ impl<'a> Check<'a> {
     }
 
     pub(super) fn fault<T>(&self, span: Range<usize>, message: impl Into<String>) -> Result<T, FormatError> {
-        Err(FormatError::at(self.text, span, message))
+        Err(FormatError::at_span(self.text, span, message))
     }
 
     /// The place of a name among others; it must be one of them, and not have been there before.

@@ -25,8 +25,8 @@ pub struct RelativeUncertainty {
 }
 
 impl RelativeUncertainty {
-    /// That of a term's coefficient: as stated, else the prior's default, else none.
-    pub fn of(&self, term: Term) -> f64 {
+    /// The uncertainty of a term's coefficient: as stated, else the prior's default, else none.
+    pub fn of_term(&self, term: Term) -> f64 {
         let prior = term.entry().prior;
         self.terms.get(prior.key).copied().or(prior.default).unwrap_or(0.0)
     }

@@ -1,7 +1,7 @@
 //! `robot.toml`: kinematics by a Denavit–Hartenberg table or by a URDF, and what the arm has beside them.
 
 use super::dh_robot::read_dh_robot;
-use super::embedded_urdf::urdf_of;
+use super::embedded_urdf::named_urdf;
 use super::error::FormatError;
 use super::robot_model::RobotModel;
 use super::urdf_robot::read_urdf_robot;
@@ -28,7 +28,7 @@ pub fn parse_robot(text: &str) -> Result<Robot, FormatError> {
 /// # Errors
 /// As [`parse_robot`]; a URDF that the text does not hold, or that cannot be read.
 pub fn parse_robot_model(text: &str) -> Result<RobotModel, FormatError> {
-    if urdf_of(text)?.is_some() {
+    if named_urdf(text)?.is_some() {
         return read_urdf_robot(text);
     }
     let robot = read_dh_robot(text)?;

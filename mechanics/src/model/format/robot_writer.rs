@@ -113,7 +113,7 @@ fn write_joint(out: &mut Lines, joint: &Joint, link: &Inertia, drive: &DrivePara
     out.line("[joint.terms]", "nominal, before measuring: limits of a design, start of an export");
     for (term, use_of) in TERMS {
         if drive[term] == 0.0 {
-            out.gap(term.entry().key.of(joint.kind), use_of);
+            out.gap(term.entry().key.for_kind(joint.kind), use_of);
         }
     }
 }

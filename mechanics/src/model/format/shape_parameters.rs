@@ -38,11 +38,11 @@ pub(super) fn read_shape_parameters(
 
 /// The shape parameters of all terms, each once.
 pub(super) fn all() -> impl Iterator<Item = ShapeParameter> {
-    Term::ALL.iter().fold(Columns::RIGID, |columns, &term| columns.with(term)).shapes().into_iter()
+    Term::ALL.iter().fold(Columns::RIGID, |columns, &term| columns.with_term(term)).shapes().into_iter()
 }
 
 /// Those of the laws of terms whose coefficient is not zero.
 pub(super) fn laws(drive: &DriveParameters) -> Vec<ShapeParameter> {
     let acting = drive.iter().filter(|(_, value)| *value != 0.0);
-    acting.fold(Columns::RIGID, |columns, (term, _)| columns.with(term)).shapes()
+    acting.fold(Columns::RIGID, |columns, (term, _)| columns.with_term(term)).shapes()
 }

@@ -22,7 +22,7 @@ pub(super) fn read_terms<'a>(
     let kind = robot.joints()[index].kind;
     for (key, number) in numbers {
         let Some(term) = Term::ALL.iter().copied().find(|term| term.entry().key.is(key)) else { continue };
-        let expected = term.entry().key.of(kind);
+        let expected = term.entry().key.for_kind(kind);
         if key != expected {
             let unit = kind.unit();
             let message = format!("{key} is given for a joint measured in {unit}, expected {expected}");

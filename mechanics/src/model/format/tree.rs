@@ -57,14 +57,6 @@ pub struct SnappedJoint {
     pub angle_rad: f64,
 }
 
-impl ImportedModel {
-    /// Returns this model, whose robot says which text it was read from.
-    pub(super) fn read_from(mut self, text: &str) -> Self {
-        self.robot = self.robot.read_from(text);
-        self
-    }
-}
-
 /// The first joint whose place, or the inertia of its link, is no longer finite where numbers of the file came together.
 fn overflowing<'a>(joints: &'a [Joint], parameters: &StandardParameters) -> Option<&'a str> {
     let finite = |place: &Placement| place.translation.iter().chain(place.rotation.iter()).all(|x| x.is_finite());

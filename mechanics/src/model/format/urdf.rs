@@ -49,7 +49,7 @@ use crate::spatial::{Inertia, Placement};
 pub fn parse_urdf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatError> {
     let document = parse_xml(text)?;
     let tree = read_tree(Element::root(&document), text, NearlyRight::Snapped)?;
-    tree.chain(ends).map(|model| model.read_from(text))
+    tree.chain(ends).map(|model| ImportedModel { robot: model.robot.with_source(text), ..model })
 }
 
 /// Reads a URDF and keeps every angle as it is written, rounded right angles too, as readers do that do not mend them.

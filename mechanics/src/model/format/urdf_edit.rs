@@ -188,7 +188,7 @@ mod tests {
                 *link = Inertia::from_com(if run % 2 == 0 { 4.0 } else { 0.5 }, com, about);
             }
             for drive in &mut parameters.drives {
-                *drive = DriveParameters::of(&[
+                *drive = DriveParameters::from_iter([
                     (VISCOUS, rng.random_range(0.1..2.0)),
                     (COULOMB, rng.random_range(0.1..2.0)),
                 ]);

@@ -22,7 +22,7 @@ use toml::Spanned;
 
 use super::base_table::{BaseTable, read_base};
 use super::coupling_table::{CouplingTable, read_coupling};
-use super::embedded_urdf::{EmbeddedTable, urdf_of};
+use super::embedded_urdf::{EmbeddedTable, named_urdf};
 use super::error::FormatError;
 use super::joint_tables::{DriveTable, JointTables, LimitsTable};
 use super::point_tables::{PointTable, read_points};
@@ -94,7 +94,7 @@ pub(super) fn read_urdf_robot(text: &str) -> Result<RobotModel, FormatError> {
         );
         return check.fault(at, message);
     };
-    let ends = urdf_of(text)?.map(|reference| reference.ends).unwrap_or_default();
+    let ends = named_urdf(text)?.map(|reference| reference.ends).unwrap_or_default();
     let imported = parse_urdf(urdf, &ends).or_else(|fault| {
         let place = format!("line {}, column {}", fault.line, fault.column);
         check.fault(at.clone(), format!("{}, {place}: {}", file.urdf.get_ref(), fault.message))

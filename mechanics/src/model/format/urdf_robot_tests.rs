@@ -25,7 +25,7 @@ fn identity_a_bare_reference_is_the_urdf() {
     let urdf = parse_urdf(URDF, &ChainEnds::default()).unwrap();
     assert_eq!(model.parameters.unwrap(), urdf.parameters);
     assert_eq!(model.remarks, urdf.remarks);
-    assert_eq!(model.robot.clone().read_from(URDF), urdf.robot);
+    assert_eq!(model.robot.clone().with_source(URDF), urdf.robot);
     // The whole text names it: a change of either file is a change of the robot.
     assert_ne!(model.robot.source_sha256(), urdf.robot.source_sha256());
 }
@@ -97,8 +97,8 @@ fn identity_a_file_with_its_gaps_reads_as_the_urdf_and_every_gap_is_a_key() {
     assert_eq!(read.parameters.as_ref(), Some(&model.parameters));
     // The file states the servo that is assumed of a robot that states none.
     let servo = *model.robot.servo();
-    let with_servo = |robot: &crate::model::Robot| robot.clone().changed(|spec| spec.servo = Some(servo)).unwrap();
-    assert_eq!(with_servo(&read.robot.clone().read_from(URDF)), with_servo(&model.robot));
+    let with_servo = |robot: &crate::model::Robot| robot.clone().with_spec(|spec| spec.servo = Some(servo)).unwrap();
+    assert_eq!(with_servo(&read.robot.clone().with_source(URDF)), with_servo(&model.robot));
     // What a joint states is no gap.
     let turn = text.split("[[joint]]").nth(1).unwrap();
     for stated in ["position_deg", "velocity_deg_s", "torque_nm ", "viscous"] {

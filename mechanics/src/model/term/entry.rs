@@ -66,8 +66,8 @@ pub struct ByJoint {
 }
 
 impl ByJoint {
-    /// That of a joint of this kind.
-    pub const fn of(self, kind: JointKind) -> &'static str {
+    /// The entry for a joint of this kind.
+    pub const fn for_kind(self, kind: JointKind) -> &'static str {
         match kind {
             JointKind::Revolute => self.revolute,
             JointKind::Prismatic => self.prismatic,

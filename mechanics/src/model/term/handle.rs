@@ -42,7 +42,7 @@ impl Term {
 
     /// Unit of its coefficient on a joint of this kind.
     pub fn unit(self, kind: JointKind) -> &'static str {
-        self.entry().unit.of(kind)
+        self.entry().unit.for_kind(kind)
     }
 
     /// Whether it is a part of the mass matrix.

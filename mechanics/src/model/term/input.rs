@@ -27,20 +27,6 @@ pub struct TermInput<R> {
     pub shape: Shapes,
 }
 
-impl<R: Number> TermInput<R> {
-    /// Every number changed alike.
-    pub fn map<T>(&self, mut change: impl FnMut(R) -> T) -> TermInput<T> {
-        TermInput {
-            q: change(self.q),
-            qd: change(self.qd),
-            qdd: change(self.qdd),
-            load: change(self.load),
-            warmth: change(self.warmth),
-            shape: self.shape,
-        }
-    }
-}
-
 impl TermInput<f64> {
     /// A block of this one alone.
     pub fn block(&self) -> TermBlock<'_> {
@@ -80,7 +66,7 @@ impl TermBlock<'_> {
     /// # Panics
     /// If there is no such entry.
     #[inline(always)]
-    pub fn at(&self, k: usize) -> TermInput<f64> {
+    pub fn entry(&self, k: usize) -> TermInput<f64> {
         TermInput {
             q: self.q[k],
             qd: self.qd[k],

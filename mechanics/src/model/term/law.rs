@@ -76,13 +76,13 @@ impl<T: TermLaw> TorqueTerm for T {
     #[inline]
     fn torques(&self, block: &TermBlock<'_>, out: &mut [f64]) {
         for (k, out) in out.iter_mut().enumerate() {
-            *out = self.law(&block.at(k));
+            *out = self.law(&block.entry(k));
         }
     }
 
     fn slopes(&self, block: &TermBlock<'_>, out: &mut [[f64; Slope::COUNT]]) {
         for (k, out) in out.iter_mut().enumerate() {
-            let TermInput { q, qd, qdd, load, warmth, shape } = block.at(k);
+            let TermInput { q, qd, qdd, load, warmth, shape } = block.entry(k);
             let variables = TermInput {
                 q: Slope::variable(q, 0),
                 qd: Slope::variable(qd, 1),
