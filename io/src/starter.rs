@@ -172,9 +172,9 @@ fn readme(loaded: &LoadedRobot, urdf: &str) -> String {
         "# {name}\n\nMade by {init} from {urdf}. First fill in the gaps of `robot.toml` that matter, and check it by {check}. \
          The next three commands, in this folder:\n{gaps}\n\
          ```sh\n{first}\n```\n\n\
-         1. designs a motion that excites the parameters inside the limits of `robot.toml`, in seconds. {advise} finds a \
-            better one in minutes, and an experiment for it: it compares motions and estimators on simulated arms around \
-            this one;\n\
+         1. designs a motion that excites the parameters inside the limits of `robot.toml`, in seconds. {advise} takes \
+            minutes: it compares motions and estimators on simulated arms around this one, and writes the best motion with \
+            its experiment;\n\
          2. rehearses it on a simulated arm. The arm itself performs `trajectory.toml` by its own means, or by ROS 2:\n   \
             its log then takes the place of `log.csv`, and `log.toml` says what the columns are;\n\
          3. estimates the parameters, with intervals, and says what it found in the log.\n\n\
