@@ -13,7 +13,7 @@ use crate::excitation::{
     Certificate, Criterion, CriterionKind, Design, DesignBudget, DesignLimits, DesignProblem, DesignSpace,
     ExcitationError, ExpectedEffects, HistoryPoint, Termination, design, random_design,
 };
-use crate::observer::{Observer, Unobserved};
+use crate::observer::Observer;
 use crate::trajectory::{Family, PeriodicTrajectory};
 
 /// One design of a study.
@@ -92,19 +92,11 @@ impl StudySetup {
         }
     }
 
-    /// Makes one design of one family. Families share their starts: start k of every family is the same first guess.
+    /// The designs of number `start` of all families of a sequence, from the first experiment to `family` itself. Families share
+    /// their starts: start k of every family is the same first guess. An observer may end their searches: they are then not those of the study.
     ///
     /// # Errors
     /// [`StudyError`] where the settings are impossible for the robot.
-    pub fn design(&self, family: usize, start: usize) -> Result<StudyDesign, StudyError> {
-        Ok(self.designs_of_sequence(family, start, &Unobserved)?.pop().expect("a sequence holds the family itself"))
-    }
-
-    /// The designs of number `start` of all families of a sequence, from the first experiment to `family` itself. An observer may
-    /// end their searches: they are then not those of the study.
-    ///
-    /// # Errors
-    /// As [`StudySetup::design`].
     pub fn designs_of_sequence(
         &self,
         family: usize,

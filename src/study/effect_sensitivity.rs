@@ -226,6 +226,7 @@ impl StudySetup {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::observer::Unobserved;
     use crate::study::run_id::RunId;
     use crate::study::small_results::{ESTIMATOR, erring, scenario, score, setup};
     use crate::study::{Outcome, OutcomeTable, Score, ScoredEstimate};
@@ -234,7 +235,7 @@ mod tests {
     fn analytic_pairs_are_logarithms_of_error_with_over_error_without() {
         let setup = setup();
         let table_one = setup.plan.designs.len() - 1;
-        let design = setup.design(table_one, 0).unwrap();
+        let design = setup.designs_of_sequence(table_one, 0, &Unobserved).unwrap().pop().unwrap();
         let designs = [StudyDesign { family: 0, ..design.clone() }, design];
         let place = setup.plan.identification.estimators.iter().position(|name| name == ESTIMATOR).unwrap();
         let outcome = |RunId { design, condition, run }: RunId, error: Option<f64>| {

@@ -158,6 +158,7 @@ mod tests {
     use super::*;
     use crate::estimation::{BaseEstimate, FactorisedBy, IntervalBasis, Termination};
     use crate::excitation::{HistoryPoint, radkhah2007_start};
+    use crate::observer::Unobserved;
     use crate::seed::Seed;
     use crate::study::small_results::setup;
     use crate::trajectory::PeriodicTrajectory;
@@ -227,7 +228,7 @@ mod tests {
         let start = radkhah2007_start(&setup.robot, 10.0, 5, Seed::new(7), 0).unwrap();
         let exact = PeriodicTrajectory::from(start).sample(200);
         let twice = setup.bound_of_sequence(&[exact.clone(), exact.clone()]);
-        for (one, twice) in setup.bound(&exact).into_iter().zip(twice) {
+        for (one, twice) in setup.bound_of_sequence(&[exact]).into_iter().zip(twice) {
             assert!((one / twice / 2.0_f64.sqrt() - 1.0).abs() < 1e-9, "{one} {twice}");
         }
     }
@@ -236,7 +237,7 @@ mod tests {
     fn identity_information_of_two_experiments_is_the_sum() {
         let setup = setup();
         let table_one = setup.plan.designs.len() - 1;
-        let design = setup.design(table_one, 0).unwrap();
+        let design = setup.designs_of_sequence(table_one, 0, &Unobserved).unwrap().pop().unwrap();
         let one = setup.collected(std::slice::from_ref(&design)).unwrap().unwrap();
         let two = setup.collected(&[design.clone(), design.clone()]).unwrap().unwrap();
         assert!((two - &one * 2.0).norm() < 1e-12 * one.norm());

@@ -41,14 +41,6 @@ pub struct StudyResult {
 }
 
 impl StudyResult {
-    /// True base parameters of a truth, by [`Outcome::truth`](super::Outcome::truth).
-    pub fn truth(&self, index: usize, parameter: usize) -> f64 {
-        match index.checked_sub(1) {
-            None => self.parameters[parameter].truth,
-            Some(drawn) => self.drawn_truths[drawn][parameter],
-        }
-    }
-
     /// The findings under the first condition.
     pub fn findings(&self) -> &Findings {
         &self.conditions[0].findings
@@ -146,8 +138,6 @@ mod tests {
         let shown = |prediction| {
             let mut result = study(vec![scenario("exact", vec![score("condition", prediction)], Vec::new())], &[]);
             result.plan.identification.estimators = vec!["ols".to_owned(), ESTIMATOR.to_owned(), "ekf".to_owned()];
-            result.drawn_truths = vec![vec![1.0, 2.0], vec![3.0, 4.0]];
-            assert_eq!((result.truth(1, 1), result.truth(2, 0)), (2.0, 3.0));
             result.shown_estimator().to_owned()
         };
         // Of none that gave one, the last.

@@ -1,7 +1,7 @@
 //! Everything of a study that is fixed before its first run: the robot, its reduction, the scorer, the settings.
 //!
 //! ```text
-//! StudySetup::new → StudySetup::design(family, start) → StudySetup::bound → StudySetup::trial(design, condition, run) → StudySetup::conditions
+//! StudySetup::new → designs_of_sequence(family, start) → bound_of_sequence(exact) → outcome(run, performed) → conditions
 //! ```
 //! Each step is a function of the plan and its seed alone, so that any of them can be done again, in any order, on any
 //! number of threads, and give the same bytes. Who performs the experiment is the caller's choice: an [`Arm`].
@@ -16,14 +16,13 @@ use super::design::StudyDesign;
 use super::error::StudyError;
 use super::evidence::{DesignRow, Evidence, Findings};
 use super::measured_motion::MeasuredMotions;
-use super::outcome::{Outcome, ScoredEstimate};
+use super::outcome::ScoredEstimate;
 use super::own_methods::OwnMethods;
 use super::performed::Performed;
 use super::plan::StudyPlan;
 use super::plan_error::StudyPlanError;
 use super::random_truth::{Centre, TruthError};
 use super::run_error::RunError;
-use super::run_id::RunId;
 use super::run_order::RunOrder;
 use super::run_table::{RunNumber, RunTable};
 use super::scorer::Scorer;
@@ -188,12 +187,6 @@ impl StudySetup {
         if run.is_multiple_of(2) { pair } else { pair.opposite() }
     }
 
-    /// Cramér–Rao standard deviations of the base parameters (b), at the exact motion of one period of the closed
-    /// loop; infinite where the motion does not excite all of them.
-    pub fn bound(&self, exact: &States) -> Vec<f64> {
-        self.bound_with_weight(exact, self.raw_samples() / exact.len() as f64)
-    }
-
     /// Cramér–Rao standard deviations if each state stands for `weight` raw samples of one period.
     pub(super) fn bound_with_weight(&self, exact: &States, weight: f64) -> Vec<f64> {
         let periods = self.plan.experiment.periods;
@@ -204,12 +197,6 @@ impl StudySetup {
     /// Raw samples in one period.
     pub(super) fn raw_samples(&self) -> f64 {
         self.plan.experiment.period_s * self.plan.experiment.rate_hz
-    }
-
-    /// One run: performs the experiment on `arm`, processes what it recorded, estimates and scores. Any failure
-    /// is a reason in the outcome.
-    pub fn trial(&self, id: RunId, design: &StudyDesign, arm: &mut dyn Arm) -> Outcome {
-        self.outcome(id, vec![record(arm, &self.experiment(&design.trajectory))], None, &Unobserved)
     }
 
     /// Performs the experiment and processes the recording.

@@ -96,7 +96,8 @@ fn noisy(clean: &Recording, run: u64) -> Recording {
 
 /// Share of intervals that cover the truth; 95 % are expected, and of 200 fewer than 90 % once in a thousand.
 fn assert_covers(what: &str, truth: f64, found: &[Measured]) {
-    let covered = found.iter().filter(|measured| measured.covers(truth)).count() as f64 / found.len() as f64;
+    let covers = |measured: &&Measured| measured.ci95[0] <= truth && truth <= measured.ci95[1];
+    let covered = found.iter().filter(covers).count() as f64 / found.len() as f64;
     let mean = found.iter().map(|measured| measured.value).sum::<f64>() / found.len() as f64;
     assert!(covered >= 0.9, "{what}: {covered} of {} intervals cover {truth}, mean {mean}", found.len());
     assert!(found[0].std < 0.05 * truth.abs(), "{what}: an interval that says nothing: {:?}", found[0]);

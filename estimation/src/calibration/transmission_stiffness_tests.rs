@@ -2,7 +2,7 @@
 
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{StiffnessVerdict, TransmissionStiffness, transmission_stiffness};
+use super::{Measured, StiffnessVerdict, TransmissionStiffness, transmission_stiffness};
 use crate::chains::{ChainRecipe, planar_2r};
 use crate::dynamics::{Dynamics, States};
 use crate::experiment::Transmission;
@@ -127,8 +127,8 @@ fn analytic_stiffness_is_found_between_noisy_encoders_coupled_or_not() {
             let Some(stiffness) = found.stiffness else { continue };
             assert!((stiffness.value / truth - 1.0).abs() < 0.25, "{seed} {found:?} {truth}");
             let rotor = found.rotor.unwrap();
-            (inside, all) =
-                (inside + usize::from(stiffness.covers(*truth)) + usize::from(rotor.covers(ROTOR)), all + 2);
+            let covers = |of: Measured, truth| usize::from(of.ci95[0] <= truth && truth <= of.ci95[1]);
+            (inside, all) = (inside + covers(stiffness, *truth) + covers(rotor, ROTOR), all + 2);
         }
     }
     // 95 % of 50 or more, less three standard deviations.

@@ -26,9 +26,4 @@ impl Measured {
         let [low, high] = self.ci95.map(|end| factor * end);
         Self { value: factor * self.value, std: factor.abs() * self.std, ci95: [low.min(high), low.max(high)] }
     }
-
-    /// Whether the interval covers a value.
-    pub fn covers(&self, value: f64) -> bool {
-        self.ci95[0] <= value && value <= self.ci95[1]
-    }
 }

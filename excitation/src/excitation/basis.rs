@@ -40,7 +40,7 @@ pub(super) struct JointMotion {
 /// Period, harmonics, frozen joints and scales of a family of trajectories of one robot.
 #[derive(Clone, Debug)]
 pub struct MotionBasis {
-    family: Arc<dyn TrajectoryFamily>,
+    pub(super) family: Arc<dyn TrajectoryFamily>,
     period_s: f64,
     /// The different shapes; joints of equally many harmonics share one.
     pub(super) shapes: Vec<Arc<dyn ShapeFunctions>>,
@@ -92,11 +92,6 @@ impl MotionBasis {
         }
         at_least_one("joints that move", next)?;
         Ok(Self { family, period_s, shapes, joints })
-    }
-
-    /// The family.
-    pub fn family(&self) -> &dyn TrajectoryFamily {
-        &*self.family
     }
 
     /// Number of joints n.

@@ -1,7 +1,7 @@
 //! The motions on which an estimate is to predict torque: what I-optimality and the model error are means over.
 //!
 //! ```text
-//! G = (1/(n N)) Σ_k Y_b(k)ᵀ Λ Y_b(k)        n joints, N samples of all motions
+//! G = (1/(n N)) Σ_k Y_b(k)ᵀ Y_b(k)        n joints, N samples of all motions
 //! ```
 //! By default, ten of the [first guesses](super::radkhah2007_start) that designs start from, under a seed of their own (period
 //! 10 s, five harmonics, each joint at its tightest limit of motion), and the same ten at 30 % of their speed; 50 samples
@@ -10,7 +10,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::criterion::{Carried, Prediction};
-use super::error::{ExcitationError, above_zero, at_least_one, same_joints, same_length};
+use super::error::{ExcitationError, at_least_one, same_joints};
 use super::expected::{EffectTorques, ExpectedEffects};
 use super::start::series_start;
 use crate::base::BaseReduction;
@@ -40,12 +40,13 @@ const HARMONICS: usize = 5;
 /// use armid::chains::planar_2r;
 /// use armid::excitation::EvaluationMotions;
 /// let motions = EvaluationMotions::default_for(&planar_2r()).unwrap();
-/// assert_eq!(motions.motions().len(), 20);
+/// assert_eq!(EvaluationMotions::default_for(&planar_2r()).unwrap(), motions);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct EvaluationMotions {
     motions: Vec<PeriodicTrajectory>,
-    weights: Vec<f64>,
+    /// Joints of each.
+    pub(super) joints: usize,
     samples: usize,
 }
 
@@ -57,7 +58,7 @@ impl EvaluationMotions {
     pub fn new(motions: Vec<PeriodicTrajectory>, joints: usize) -> Result<Self, ExcitationError> {
         at_least_one("evaluation motions", motions.len())?;
         motions.iter().try_for_each(|motion| same_joints(motion.dof(), joints))?;
-        Ok(Self { motions, weights: vec![1.0; joints], samples: SAMPLES })
+        Ok(Self { motions, joints, samples: SAMPLES })
     }
 
     /// The default of the module's header.
@@ -74,27 +75,6 @@ impl EvaluationMotions {
             motions.extend([fast, slow]);
         }
         Self::new(motions, robot.dof())
-    }
-
-    /// Returns this evaluation with the torque of each joint multiplied by a weight (n), as one over its rating.
-    ///
-    /// # Errors
-    /// [`ExcitationError::Length`] if it is not one for each joint, [`ExcitationError::NotPositive`] if one is no finite
-    /// number above zero.
-    pub fn with_weights(self, weights: Vec<f64>) -> Result<Self, ExcitationError> {
-        same_length("weights of predicted torque", weights.len(), self.weights.len())?;
-        weights.iter().try_for_each(|&weight| above_zero("weight of predicted torque", weight, ""))?;
-        Ok(Self { weights, ..self })
-    }
-
-    /// The motions.
-    pub fn motions(&self) -> &[PeriodicTrajectory] {
-        &self.motions
-    }
-
-    /// Number of joints.
-    pub(super) fn joints(&self) -> usize {
-        self.weights.len()
     }
 
     /// The mean square of torque on them: G of [`Prediction`], b × b, for the base columns of `regressor`.
@@ -120,20 +100,14 @@ impl EvaluationMotions {
         let mut count = 0;
         for motion in &self.motions {
             let states = held(motion.sample(self.samples), frozen);
-            let weighted = |mut w: DMatrix<f64>| {
-                for (r, mut row) in w.row_iter_mut().enumerate() {
-                    row *= self.weights[r % self.weights.len()];
-                }
-                w
-            };
-            let w = weighted(base.select_columns(&regressor.stack(&states)));
+            let w = base.select_columns(&regressor.stack(&states));
             gram += w.tr_mul(&w);
             count += w.nrows();
             let Some(expected) = expected else { continue };
             let mut torques = EffectTorques::new(robot, expected, self.samples, motion.period_s());
             effects = torques.effects();
             if expected.are_carried {
-                let d = weighted(torques.evaluate(&states));
+                let d = torques.evaluate(&states);
                 let squares = DVector::from_fn(d.ncols(), |e, _| d.column(e).norm_squared());
                 let moments = w.tr_mul(&d);
                 carried = Some(match carried {
@@ -173,7 +147,7 @@ mod tests {
     #[test]
     fn identity_frozen_joints_stand_still_and_others_move_as_before() {
         let motions = EvaluationMotions::default_for(&chains::planar_2r()).unwrap();
-        let free = motions.motions()[0].sample(5);
+        let free = motions.motions[0].sample(5);
         let held = held(free.clone(), &[None, Some(0.25)]);
         for k in 0..5 {
             assert_eq!((held.q(k)[0], held.qd(k)[0], held.qdd(k)[0]), (free.q(k)[0], free.qd(k)[0], free.qdd(k)[0]));

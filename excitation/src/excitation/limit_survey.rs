@@ -42,13 +42,6 @@ pub struct WorstLimitUse {
     pub clearance_m: Option<f64>,
 }
 
-impl WorstLimitUse {
-    /// The largest ratio of all.
-    pub fn largest(&self) -> f64 {
-        LimitKind::ALL.into_iter().filter_map(|kind| self.for_limit(kind)).fold(0.0, f64::max)
-    }
-}
-
 /// The field of each kind of limit.
 macro_rules! by_kind {
     ($uses:ty, $value:ty) => {

@@ -145,7 +145,7 @@ mod tests {
                 [(&states.q, &expected.q), (&states.qd, &expected.qd), (&states.qdd, &expected.qdd)]
             {
                 for (x, y) in found.iter().zip(expected) {
-                    assert!((x - y).abs() < 1e-11, "{}: {x} {y}", basis.family().name());
+                    assert!((x - y).abs() < 1e-11, "{}: {x} {y}", basis.family.name());
                 }
             }
             assert!(states.q.iter().skip(2).step_by(4).all(|q| (q - 0.3).abs() < 1e-15));
@@ -207,7 +207,7 @@ mod tests {
             let near = basis.trajectory(&basis.nearest(&series).unwrap()).sample(50);
             let far = series.sample(50);
             let error = (0..50).map(|k| (near.q(k)[1] - far.q(k)[1]).abs()).fold(0.0, f64::max);
-            match Family::parse(basis.family().name()).expect("a family of the list") {
+            match Family::parse(basis.family.name()).expect("a family of the list") {
                 Family::Fourier => assert!(error < 1e-15),
                 // The polynomial takes the velocity of the ends away: another motion.
                 Family::FourierQuintic => assert!(error > 0.01),

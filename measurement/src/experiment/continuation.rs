@@ -9,7 +9,7 @@
 //! periods; that second approach is performed and not kept. The joined recording has the phases and the times of the
 //! whole plan.
 
-use super::arm::{Arm, ArmError, Ending, Flow, Sink};
+use super::arm::{Flow, Sink};
 use super::command::Command;
 use super::layout::Layout;
 use super::phase::Phase;
@@ -103,20 +103,6 @@ impl Continuation {
         }
         Flow::Continue
     }
-
-    /// Performs the rest on an arm and hands the joined experiment to a sink.
-    ///
-    /// # Errors
-    /// [`ArmError`] where the arm cannot begin.
-    pub fn perform(&self, arm: &mut dyn Arm, sink: &mut dyn Sink) -> Result<Ending, ArmError> {
-        match self.rest() {
-            Some(rest) => arm.perform(&rest, &mut self.join(sink)),
-            None => {
-                self.replay_kept(sink);
-                Ok(Ending::Completed)
-            }
-        }
-    }
 }
 
 /// The sink that moves the samples of the second part to where they belong in the whole.
@@ -164,7 +150,7 @@ impl Sink for Joined<'_> {
 mod tests {
     use super::*;
     use crate::experiment::hinges::{self, FlyWheels};
-    use crate::experiment::{Recorder, Servo, record};
+    use crate::experiment::{Arm, Recorder, Servo, record};
     use crate::observer::Unobserved;
     use crate::seed::Seed;
 
@@ -183,15 +169,24 @@ mod tests {
         cut
     }
 
+    /// The whole experiment, of which a run of the servo performs the rest.
+    fn performed(continuation: &Continuation, run: u64) -> Recording {
+        let mut recorder = Recorder::watched_by(&Unobserved);
+        if let Some(rest) = continuation.rest() {
+            assert!(servo(run).perform(&rest, &mut continuation.join(&mut recorder)).unwrap().is_complete());
+        } else {
+            continuation.replay_kept(&mut recorder);
+        }
+        recorder.into_recording().unwrap()
+    }
+
     #[test]
     fn identity_joined_periods_are_the_first_s_and_then_the_second_s() {
         let (first, _) = record(&mut servo(0), &plan(4)).unwrap();
         let (second, _) = record(&mut servo(1), &plan(2)).unwrap();
         let continuation = Continuation::new(&plan(4), cut(&first, first.period(2).start + 17)).unwrap();
         assert_eq!((continuation.periods(), continuation.rest().unwrap().periods), (2, 2));
-        let mut recorder = Recorder::watched_by(&Unobserved);
-        assert!(continuation.perform(&mut servo(1), &mut recorder).unwrap().is_complete());
-        let joined = recorder.into_recording().unwrap();
+        let joined = performed(&continuation, 1);
         assert_eq!((joined.len(), joined.periods()), (first.len(), 4));
         assert_eq!((&joined.phases, &joined.t), (&first.phases, &first.t));
         let until = first.period(1).end;
@@ -206,15 +201,11 @@ mod tests {
         let (first, _) = record(&mut servo(0), &plan(2)).unwrap();
         let early = Continuation::new(&plan(2), cut(&first, first.period(0).end - 1)).unwrap();
         assert_eq!((early.periods(), early.samples()), (0, 0));
-        let mut recorder = Recorder::watched_by(&Unobserved);
-        early.perform(&mut servo(0), &mut recorder).unwrap();
-        assert_eq!(recorder.into_recording().unwrap(), first);
+        assert_eq!(performed(&early, 0), first);
 
         let late = Continuation::new(&plan(2), cut(&first, first.len() - 3)).unwrap();
         assert!(late.rest().is_none());
-        let mut recorder = Recorder::watched_by(&Unobserved);
-        late.perform(&mut servo(0), &mut recorder).unwrap();
-        let kept = recorder.into_recording().unwrap();
+        let kept = performed(&late, 0);
         assert_eq!((kept.periods(), kept.len()), (2, first.period(1).end));
     }
 

@@ -155,11 +155,6 @@ impl<P: Plant> Servo<P> {
         &self.plant
     }
 
-    /// Nominal inertia that each motor sees at the gain pose, kg·m², n.
-    pub fn inertia(&self) -> &[f64] {
-        &self.load.inertia
-    }
-
     /// How well the last experiment followed its command.
     pub fn tracking(&self) -> Option<&Tracking> {
         self.tracking.as_ref()
@@ -273,7 +268,7 @@ mod tests {
     #[test]
     fn analytic_gains_sit_on_the_rotor() {
         let servo = servo(&hinges::single());
-        assert!((servo.inertia()[0] - hinges::INERTIA).abs() < 1e-15);
+        assert!((servo.load.inertia[0] - hinges::INERTIA).abs() < 1e-15);
     }
 
     #[test]

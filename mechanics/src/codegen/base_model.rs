@@ -100,11 +100,6 @@ impl BaseModel {
         })
     }
 
-    /// Number of joints n.
-    pub const fn dof(&self) -> usize {
-        self.dof
-    }
-
     /// Sums, differences, products, sines and cosines of the inverse dynamics.
     pub fn operations(&self) -> usize {
         use Expression::{Acceleration, Negative, Number, Position, Velocity};

@@ -1,18 +1,18 @@
-//! Normal equations gathered block by block.
+//! Normal equations gathered row by row.
 
 use nalgebra::{DMatrix, DVector};
 
 /// The sums `WᵀW` (b × b), `Wᵀy` (b) and `yᵀy` over the rows added so far.
 ///
-/// A trajectory of any length is gathered in blocks without ever holding W. Rows are added one by one in the order in
-/// which they come, so the bits do not depend on how the rows were cut into blocks.
+/// A trajectory of any length is gathered without ever holding W.
 ///
 /// ```
 /// # use armid_mechanics as armid;
 /// use armid::linalg::Gram;
 /// use nalgebra::{dmatrix, dvector};
 /// let mut gram = Gram::new(2);
-/// gram.add(&dmatrix![1.0, 2.0; 3.0, 4.0], &dvector![1.0, -1.0]);
+/// gram.add_row(&[1.0, 2.0], 1.0, 1.0);
+/// gram.add_row(&[3.0, 4.0], -1.0, 1.0);
 /// assert_eq!(gram.information(), dmatrix![10.0, 14.0; 14.0, 20.0]);
 /// assert_eq!((&gram.moment, gram.rows), (&dvector![-2.0, -2.0], 2));
 /// ```
@@ -51,21 +51,6 @@ impl Gram {
         self.rows += 1;
     }
 
-    /// Adds a block W (m × b) with its measurements y (m), all of weight 1.
-    ///
-    /// # Panics
-    /// If W has not b columns or y not m entries.
-    pub fn add(&mut self, w: &DMatrix<f64>, y: &DVector<f64>) {
-        assert_eq!(w.nrows(), y.len(), "one measurement per row");
-        let mut row = vec![0.0; w.ncols()];
-        for i in 0..w.nrows() {
-            for (entry, &value) in row.iter_mut().zip(w.row(i).iter()) {
-                *entry = value;
-            }
-            self.add_row(&row, y[i], 1.0);
-        }
-    }
-
     /// `WᵀW`, b × b, symmetric.
     pub fn information(&self) -> DMatrix<f64> {
         let b = self.moment.len();
@@ -78,16 +63,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn identity_blocks_of_any_size_give_the_same_bits() {
+    fn identity_rows_one_by_one_give_the_products_of_the_whole() {
         let w = DMatrix::from_fn(30, 4, |i, j| libm::sin((7 * i + 3 * j) as f64));
         let y = DVector::from_fn(30, |i, _| libm::cos(i as f64));
         let mut whole = Gram::new(4);
-        whole.add(&w, &y);
-        let mut parts = Gram::new(4);
-        for (start, count) in [(0, 7), (7, 1), (8, 22)] {
-            parts.add(&w.rows(start, count).into_owned(), &y.rows(start, count).into_owned());
+        for (row, &y) in w.row_iter().zip(&y) {
+            whole.add_row(row.into_owned().as_slice(), y, 1.0);
         }
-        assert_eq!(whole, parts);
         assert!((whole.information() - w.tr_mul(&w)).norm() < 1e-13);
         assert!((&whole.moment - w.tr_mul(&y)).norm() < 1e-13);
         assert!((whole.energy - y.norm_squared()).abs() < 1e-13);

@@ -1,7 +1,7 @@
 //! One joint: what it moves along, where it stands, and how far, how fast and how hard it may go.
 
 use super::drive::Drive;
-use crate::spatial::{Force, Motion, Placement};
+use crate::spatial::{Motion, Placement};
 use nalgebra::Vector3;
 
 /// What a joint does.
@@ -165,11 +165,6 @@ impl Joint {
             JointKind::Prismatic => Motion::new(Vector3::zeros(), z),
         };
         self.after.motion_to_child(&at_joint)
-    }
-
-    /// Effort of the joint when `force` acts on this link, in its frame: `radkhah2007` eq. 2.
-    pub fn effort(&self, force: &Force) -> f64 {
-        self.axis().dot(force)
     }
 }
 

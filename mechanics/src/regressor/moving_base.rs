@@ -20,13 +20,6 @@ pub struct BaseState {
     pub gravity: Vector3<f64>,
 }
 
-impl BaseState {
-    /// A base at rest under this gravity, m/s².
-    pub fn at_rest(gravity: Vector3<f64>) -> Self {
-        Self { velocity: Motion::zero(), acceleration: Motion::zero(), gravity }
-    }
-}
-
 impl JointTorqueRegressor {
     /// One sample on a base that moves: overwrites `out` with Y (n × p row-major), the joints' efforts only.
     ///
@@ -41,12 +34,14 @@ impl JointTorqueRegressor {
     /// use armid::chains;
     /// use armid::model::Columns;
     /// use armid::regressor::{BaseState, JointTorqueRegressor};
+    /// use armid::spatial::Motion;
     /// let robot = chains::planar_2r();
     /// let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
     /// let (mut fixed, mut moving) = (vec![0.0; 40], vec![0.0; 40]);
     /// let (q, qd, qdd) = ([0.1, 0.2], [0.3, -0.4], [0.5, 0.6]);
     /// regressor.evaluate(&q, &qd, &qdd, &mut fixed);
-    /// regressor.with_base_motion(&BaseState::at_rest(robot.gravity()), &q, &qd, &qdd, &mut moving);
+    /// let base = BaseState { velocity: Motion::zero(), acceleration: Motion::zero(), gravity: robot.gravity() };
+    /// regressor.with_base_motion(&base, &q, &qd, &qdd, &mut moving);
     /// assert_eq!(fixed, moving);
     /// ```
     ///
@@ -120,7 +115,8 @@ mod tests {
             BaseState { velocity: rates(), acceleration: rates(), gravity: robot.gravity() }
         };
         assert_eq!(rank(&stacked(&robot, planar)), 38);
-        assert_eq!(rank(&stacked(&robot, |_| BaseState::at_rest(robot.gravity()))), 36);
+        let still = BaseState { velocity: Motion::zero(), acceleration: Motion::zero(), gravity: robot.gravity() };
+        assert_eq!(rank(&stacked(&robot, |_| still)), 36);
     }
 
     #[test]

@@ -14,7 +14,6 @@
 
 use super::curve::Curve;
 use super::definition::{PeriodicMotion, Trajectory};
-use super::error::TrajectoryError;
 use super::fourier::{FourierJoint, FourierTrajectory};
 use super::piecewise::{derivative, horner};
 
@@ -28,9 +27,9 @@ pub(super) const CURVATURE: [f64; 6] = [0.0, 0.0, 0.5, -1.0, 0.5, 0.0];
 ///
 /// ```
 /// # use armid_mechanics as armid;
-/// use armid::trajectory::{FourierJoint, FourierQuinticTrajectory, Trajectory};
+/// use armid::trajectory::{FourierJoint, FourierQuinticTrajectory, FourierTrajectory, Trajectory};
 /// let joint = FourierJoint { name: "joint1".into(), a: vec![0.5], b: vec![0.3], q0: 0.2 };
-/// let motion = FourierQuinticTrajectory::new(10.0, vec![joint]).unwrap();
+/// let motion = FourierQuinticTrajectory::from(FourierTrajectory::new(10.0, vec![joint]).unwrap());
 /// let (mut q, mut qd, mut qdd) = ([0.0], [0.0], [0.0]);
 /// motion.evaluate(0.0, &mut q, &mut qd, &mut qdd);
 /// assert!(qd[0].abs() < 1e-15 && qdd[0].abs() < 1e-15);
@@ -43,14 +42,6 @@ pub struct FourierQuinticTrajectory {
 }
 
 impl FourierQuinticTrajectory {
-    /// Checks and takes the series of all joints.
-    ///
-    /// # Errors
-    /// As [`FourierTrajectory::new`].
-    pub fn new(period_s: f64, joints: Vec<FourierJoint>) -> Result<Self, TrajectoryError> {
-        Ok(Self { series: FourierTrajectory::new(period_s, joints)? })
-    }
-
     /// `s T` and `c T²` of a joint, rad: what A and B are multiplied with.
     fn ends(&self, joint: usize) -> (f64, f64) {
         let FourierJoint { a, b, .. } = &self.series.joints[joint];

@@ -6,8 +6,7 @@ use serde_json::{Value, json};
 
 /// Names of the joints whose speed the data do not show.
 pub fn hidden_speeds<'a>(speeds: &FrictionSpeeds, robot: &'a Robot) -> Vec<&'a str> {
-    let hidden = speeds.joints.iter().filter(|of| of.speed.is_none());
-    hidden.map(|of| robot.joints()[of.joint - 1].name.as_str()).collect()
+    speeds.joints_not_shown().into_iter().map(|joint| robot.joints()[joint - 1].name.as_str()).collect()
 }
 
 /// The keys of the command's file.

@@ -44,7 +44,8 @@ pub(super) struct LaggedTorque {
     /// S_m, n × n each.
     shares: Vec<DMatrix<f64>>,
     beta: DVector<f64>,
-    lags: Vec<f64>,
+    /// T̂ of each motor, s.
+    pub(super) lags: Vec<f64>,
 }
 
 impl LaggedTorque {
@@ -81,12 +82,6 @@ impl LaggedTorque {
             }
         }
         Ok(None)
-    }
-
-    /// T̂ of each motor, s.
-    #[cfg(test)]
-    pub(super) fn lags(&self) -> &[f64] {
-        &self.lags
     }
 
     /// β and T of the equations made at the present ones.

@@ -198,7 +198,7 @@ fn analytic_the_iteration_rests_at_the_solution_of_the_bilinear_equations() {
     let observation = identification.observation(&samples).unwrap();
     let begin = DMatrix::from_element(beta.len(), 1, 1.0);
     let rested = LaggedTorque::at_rest(&robot, &observation, &samples, begin.as_slice()).unwrap().unwrap();
-    for (found, lag) in rested.lags().iter().zip(lags) {
+    for (found, lag) in rested.lags.iter().zip(lags) {
         assert!((found - lag).abs() < 1e-9, "{found} {lag}");
     }
 }

@@ -144,7 +144,7 @@ mod tests {
 
     fn all() -> Vec<Box<dyn Criterion>> {
         let exact = CriterionKind::ALL.map(CriterionKind::criterion);
-        let smooth = CriterionKind::ALL.map(|kind| kind.smooth(6.0));
+        let smooth = CriterionKind::ALL.map(CriterionKind::criterion).map(|exact| exact.smoothed(6.0).unwrap_or(exact));
         exact.into_iter().chain(smooth).collect()
     }
 
@@ -188,7 +188,7 @@ mod tests {
                 criterion.evaluate(&at(t), Some(&mut s));
                 (s.component_mul(&along).sum(), s)
             };
-            let smooth = kind.smooth(16.0);
+            let smooth = kind.criterion().smoothed(16.0).unwrap();
             for t in [0.0, 1e-9, 1e-5] {
                 let (slope, s) = gradient(&*smooth, t);
                 let expected = difference(&*smooth, &at(t), &along, 1e-4);
@@ -241,7 +241,7 @@ mod tests {
             assert!((score.exact - exact).abs() < 1e-15);
             assert!(smooth >= exact && smooth - exact <= libm::log(8.0) / p);
             for kind in [CriterionKind::EOptimal, CriterionKind::ConditionPlusSigma] {
-                let score = kind.smooth(p).evaluate(&m, None);
+                let score = kind.criterion().smoothed(p).unwrap().evaluate(&m, None);
                 assert!((score.exact - kind.criterion().evaluate(&m, None).value).abs() < 1e-14);
                 assert!(score.value >= score.exact && score.value - score.exact <= libm::log(8.0) / p, "{kind:?}");
             }

@@ -120,11 +120,6 @@ impl ActualArm {
         &self.parameters
     }
 
-    /// Its effects.
-    pub const fn effects(&self) -> &Effects {
-        &self.effects
-    }
-
     /// Torque rating of each motor, N·m: the joint's, or what its largest current gives.
     pub(super) fn ratings(&self) -> Vec<f64> {
         ratings(&self.robot)

@@ -1,7 +1,6 @@
 //! One coefficient of K, as it is printed.
 
 use super::symbol::Symbol;
-use crate::model::Robot;
 
 /// A rational factor times powers of letters: `−2·d4²/a2`.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,11 +14,6 @@ pub struct Product {
 }
 
 impl Product {
-    /// The rational number `numerator / denominator`.
-    pub const fn constant(numerator: i32, denominator: i32) -> Self {
-        Self { numerator, denominator, powers: Vec::new() }
-    }
-
     /// Its value when each letter has the value that `letter` gives.
     pub(super) fn value(&self, letter: impl Fn(Symbol) -> f64) -> f64 {
         let factor = f64::from(self.numerator) / f64::from(self.denominator);
@@ -40,20 +34,4 @@ pub enum Coefficient {
     Sum(Vec<Product>),
     /// No formula was found: the value itself, SI units.
     Number(f64),
-}
-
-impl Coefficient {
-    /// Its value on a robot, SI units; `None` where a letter has no value there.
-    pub fn evaluate(&self, robot: &Robot) -> Option<f64> {
-        match self {
-            Self::Number(value) => Some(*value),
-            Self::Sum(products) => {
-                let known = |product: &Product| product.powers.iter().all(|&(symbol, _)| symbol.value(robot).is_some());
-                products
-                    .iter()
-                    .all(known)
-                    .then(|| products.iter().map(|p| p.value(|s| s.value(robot).unwrap_or(f64::NAN))).sum())
-            }
-        }
-    }
 }

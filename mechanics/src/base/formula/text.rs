@@ -179,7 +179,7 @@ mod tests {
         let id = |kind, index| ParameterId { kind, index };
         let formula = Formula {
             terms: vec![
-                (id(ParameterKind::M, 1), Coefficient::Sum(vec![Product::constant(1, 1)])),
+                (id(ParameterKind::M, 1), Coefficient::Sum(vec![product(1, 1, &[])])),
                 (id(ParameterKind::Izz, 1), Coefficient::Sum(vec![product(-1, 1, &[(a2, -2)])])),
                 (id(ParameterKind::Mcy, 3), Coefficient::Sum(vec![product(2, 1, &[(d4, 1)])])),
                 (id(ParameterKind::Mcz, 3), Coefficient::Sum(vec![product(-1, 2, &[(a2, -1), (d4, 2)])])),
@@ -187,7 +187,7 @@ mod tests {
                     id(ParameterKind::M, 4),
                     Coefficient::Sum(vec![product(-1, 1, &[(a2, 2)]), product(-3, 1, &[(d4, 10)])]),
                 ),
-                (id(ParameterKind::M, 5), Coefficient::Sum(vec![Product::constant(1, 1), product(-1, 1, &[(d4, 1)])])),
+                (id(ParameterKind::M, 5), Coefficient::Sum(vec![product(1, 1, &[]), product(-1, 1, &[(d4, 1)])])),
                 (id(ParameterKind::Term(ROTOR), 5), Coefficient::Number(-1.0 / 3.0)),
             ],
         };

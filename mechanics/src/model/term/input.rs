@@ -27,20 +27,6 @@ pub struct TermInput<R> {
     pub shape: Shapes,
 }
 
-impl<R: Number> TermInput<R> {
-    /// Every number changed alike.
-    pub fn map<T>(&self, mut change: impl FnMut(R) -> T) -> TermInput<T> {
-        TermInput {
-            q: change(self.q),
-            qd: change(self.qd),
-            qdd: change(self.qdd),
-            load: change(self.load),
-            warmth: change(self.warmth),
-            shape: self.shape,
-        }
-    }
-}
-
 impl TermInput<f64> {
     /// A block of this one alone.
     pub fn block(&self) -> TermBlock<'_> {
