@@ -3,9 +3,9 @@
     ARMID=target/release/armid python tests/python/campaign_runs.py [--arms crs-a460 puma-560 staubli-tx40] [--campaigns 67] [--shard 1/4]
         [--effect load-friction=0.05] [--rounds 8] [--evaluations 60] -o DIR
 
-Each arm has four targets: predicted torque, the Coulomb friction and the viscous friction of joint 2, and an inertia. Their limits are what
-one D-optimal motion reaches in five rounds of a pilot; with --effect they are half of what errors of the model leave there. Then every
-campaign is performed with redesign, target by target, and once with one motion repeated, which is looked at target by target. Finished
+Each arm has four targets: predicted torque, the Coulomb friction and the viscous friction of joint 2, and a first moment. Their limits are a
+share of what one D-optimal motion reaches in two rounds of a pilot; with --effect they are half of what errors of the model leave there. Arms
+have the noise of their currents, and neither counts nor effects unless --effect states one, so that noise is what is left. Every campaign is performed with redesign, target by target, and once with one motion repeated, which is looked at target by target. Finished
 campaigns are kept in DIR, and a shard performs every Nth one. Without any left, the table is printed: *time* is the geometric mean of seconds
 with redesign over those with repetition, *covered* the share of intervals at the end that hold the true value, with its 95 % interval.
 """
@@ -24,7 +24,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent.parent
 ARMID = Path(os.environ["ARMID"]).resolve()
 INERTIA = {"crs-a460": "mcx2", "puma-560": "mcx2", "staubli-tx40": "mcx2", "planar-2r": "mcx2"}
-PILOT = 5
+SHARE = 0.75
 DRIVE = {
     "Ia": "rotor_kg_m2", "Fv": "viscous_nm_s_rad", "Fc": "coulomb_nm", "Fo": "offset_nm", "Fvm": "motor_viscous_nm_s_rad",
     "Fcm": "motor_coulomb_nm",
@@ -63,7 +63,7 @@ def campaign(arguments, arm, seed, until, repeats):
     with tempfile.TemporaryDirectory() as scratch:
         plan = Path(scratch) / "plan.toml"
         effects = "".join(f"[effects]\n{name} = {float(size)}\n" for name, size in [arguments.effect.split("=")]) if arguments.effect else ""
-        plan.write_text(f'robot = "{arm}"\nrate_hz = 200.0\nperiods = 4\n{effects}', encoding="utf-8")
+        plan.write_text(f'robot = "{arm}"\nrate_hz = 500.0\nperiods = 4\n[sensing]\nencoders = false\nconverters = false\n{effects}', encoding="utf-8")
         words = [word for target in until for word in ("--until", target)]
         words += ["--seed", seed, "--rounds", arguments.rounds, "--starts", 1, "--evaluations", arguments.evaluations]
         return armid("campaign", plan, *words, *(["--repeat"] if repeats else []), "-o", Path(scratch) / "campaign")
@@ -85,9 +85,9 @@ def targets(arguments, arm):
 
     def pilot():
         small = [f"{name} <= 1e-9{' %' if name == 'torque' else ''}" for name in names]
-        answer = campaign(argparse.Namespace(**{**vars(arguments), "rounds": PILOT if not arguments.effect else 2}), arm, 0, small, True)
-        last = answer["rounds"][-1]["widths"]
-        widths = [0.5 * of["by_model_error"] if arguments.effect else of["half_width"] for of in last]
+        answer = campaign(arguments, arm, 0, small, True)
+        last = answer["rounds"][1]["widths"]
+        widths = [0.5 * of["by_model_error"] if arguments.effect else SHARE * of["half_width"] for of in last]
         return [f"{name} <= {100 * width:.3g} %" if name == "torque" else f"{name} <= {width:.3g}" for name, width in zip(names, widths, strict=True)]
 
     return stored(arguments.output / arm / "targets.json", pilot)

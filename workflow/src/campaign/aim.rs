@@ -114,7 +114,9 @@ impl Aim {
             Measure::Payload { symbol, base, without } => {
                 let shown = |with: &Estimate| {
                     let found = payload(base, without, with).map_err(Error::new)?;
-                    Ok::<_, Error>(found.parameters.into_iter().find(|of| of.name == *symbol).and_then(|of| of.shown))
+                    let below = found.negative_mass.filter(|_| *symbol == ParameterKind::M.symbol()).map(|of| of.free);
+                    let parameter = found.parameters.into_iter().find(|of| of.name == *symbol);
+                    Ok::<_, Error>(parameter.and_then(|of| of.shown).or(below))
                 };
                 let quiet = error + noise * QUIET;
                 let rows = quiet.row_iter().map(|row| row.iter().copied().collect()).collect();

@@ -62,7 +62,9 @@ pub(super) fn chance_of_a_look(most_rounds: usize) -> f64 {
 /// Whether a target is out of reach by its widths after every round.
 pub(super) fn is_out_of_reach(limit: f64, widths: &[Width]) -> bool {
     let [.., before, last] = widths else { return false };
-    last.half_width > limit && last.by_model_error > limit && last.by_model_error > HELPS * before.by_model_error
+    // Once may be chance.
+    let are_errors_wide = before.by_model_error > limit && last.by_model_error > limit;
+    last.half_width > limit && are_errors_wide && last.by_model_error > HELPS * before.by_model_error
 }
 
 /// How a campaign stands by the widths of every target (limits beside) after each of its rounds.
@@ -100,6 +102,7 @@ mod tests {
         // Only what the model's errors leave is too wide, and the last round did not help.
         assert_eq!(of(&[&[(3.0, 1.5), (2.0, 1.4)]]), Outcome::ModelError);
         assert_eq!(of(&[&[(3.0, 1.5), (2.0, 1.2)]]), Outcome::Unfinished, "a tenth narrower");
+        assert_eq!(of(&[&[(3.0, 0.9), (2.0, 1.4)]]), Outcome::Unfinished, "once may be chance");
         assert_eq!(of(&[&[(3.0, 1.5)]]), Outcome::Unfinished, "one round shows no change");
         assert_eq!(of(&[&[(f64::INFINITY, 0.0); 4]]), Outcome::MostRounds);
         assert_eq!(chance_of_a_look(10), 0.005);
