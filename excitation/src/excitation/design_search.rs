@@ -181,7 +181,10 @@ mod tests {
     fn assert_inside(design: &Design, problem: &DesignProblem) {
         assert!(design.termination.is_feasible(), "{:?}", design.termination);
         let used = design.certificate.worst_limit_use;
-        assert!(LimitKind::ALL.into_iter().all(|kind| used.of(kind).is_none_or(|ratio| ratio <= 1.0)), "{used:?}");
+        assert!(
+            LimitKind::ALL.into_iter().all(|kind| used.for_limit(kind).is_none_or(|ratio| ratio <= 1.0)),
+            "{used:?}"
+        );
         let states = design.trajectory.sample(5000);
         for k in 0..states.len() {
             for (j, joint) in problem.robot().joints().iter().enumerate() {
@@ -220,7 +223,10 @@ mod tests {
         for ended in [&first, &later] {
             assert_eq!(ended.termination, Termination::Interrupted);
             let used = ended.certificate.worst_limit_use;
-            assert!(LimitKind::ALL.into_iter().all(|kind| used.of(kind).is_none_or(|ratio| ratio <= 1.0)), "{used:?}");
+            assert!(
+                LimitKind::ALL.into_iter().all(|kind| used.for_limit(kind).is_none_or(|ratio| ratio <= 1.0)),
+                "{used:?}"
+            );
         }
         assert!(later.evaluations < 200 && later.value > first.value, "{} {}", later.value, first.value);
         // Unwatched and never ended are the same.

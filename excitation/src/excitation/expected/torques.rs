@@ -267,7 +267,6 @@ mod tests {
     use crate::chains::ChainRecipe;
     use crate::dynamics::Dynamics;
     use crate::excitation::{ExpectedEffect, radkhah2007_start};
-    use crate::model::DriveParameters;
     use crate::model::term::{LOAD_FRICTION, STRIBECK};
     use crate::seed::Seed;
     use crate::trajectory::PeriodicMotion;

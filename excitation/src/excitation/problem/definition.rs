@@ -340,7 +340,7 @@ mod tests {
             assert!(made.termination.is_feasible(), "{family:?}: {:?}", made.termination);
             let used = made.certificate.worst_limit_use;
             assert!(
-                LimitKind::ALL.into_iter().all(|kind| used.of(kind).is_none_or(|ratio| ratio <= 1.0)),
+                LimitKind::ALL.into_iter().all(|kind| used.for_limit(kind).is_none_or(|ratio| ratio <= 1.0)),
                 "{family:?}"
             );
             assert!(made.value > made.history[0].value + 5.0, "{family:?}: {} {}", made.value, made.history[0].value);
