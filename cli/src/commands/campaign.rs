@@ -41,7 +41,7 @@ pub(crate) struct Arguments {
     what: String,
     #[command(flatten)]
     chain: ChainArguments,
-    /// Half width to reach, such as "Fc2 <= 0.1" or "torque <= 3 %"
+    /// Target, such as "Fc2 <= 0.1" or "torque <= 3 %"
     #[arg(long, value_name = "TARGET")]
     until: Vec<Target>,
     /// Rounds, at most [default: 8]

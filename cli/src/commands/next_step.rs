@@ -2,16 +2,6 @@
 
 use super::Command;
 
-/// What comes after a look at a robot that is so called on a command line: a robot file over a bare URDF, else a motion, else its log.
-pub(super) fn on_a_robot(robot: &str, is_bare_urdf: bool) -> String {
-    if is_bare_urdf {
-        return format!("next: armid init {robot}\n");
-    }
-    format!(
-        "next, without a log: armid advise {robot}\nwith a log:          armid identify LOG --robot {robot} -o E.json\n"
-    )
-}
-
 impl Command {
     /// The commands that help on, where an error names none itself.
     pub(crate) const fn next_step(&self) -> &'static str {

@@ -13,7 +13,6 @@ use armid_io::{Error, LoadedRobot, output, robot};
 use miette::Result;
 use serde_json::{Value, json};
 
-use super::next_step::on_a_robot;
 use crate::answers::findings::paragraph;
 use crate::arguments::ChainArguments;
 use crate::terminal::{Answer, Console, Ending, Table, stated};
@@ -50,7 +49,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             let loaded = arguments.chain.load(name)?;
             let is_bare_urdf = loaded.urdf.as_ref().is_some_and(|urdf| urdf.text == loaded.text);
             let mut answer = describe(&loaded);
-            let _ = write!(answer.text, "\n{}", on_a_robot(&arguments.chain.on_command_line(name), is_bare_urdf));
+            let _ = write!(answer.text, "\n{}", next_commands(&arguments.chain.on_command_line(name), is_bare_urdf));
             answer
         }
         None => list(),
@@ -114,7 +113,6 @@ fn describe(loaded: &LoadedRobot) -> Answer {
         gravity.iter().map(|&g| stated(g)).collect::<Vec<_>>().join(", ")
     );
     let _ = writeln!(text, "effort                     {}", effort(robot.effort()));
-    let _ = writeln!(text, "SHA-256 of the file        {}", provenance.robot_sha256);
     let _ = write!(text, "\nChain\n{}", chain(robot).render(2));
     let _ = write!(text, "\nLimits\n{}", limits(robot).render(2));
     if robot.joints().iter().any(|joint| states_a_drive(&joint.drive)) {
@@ -348,4 +346,14 @@ fn joint_json(joint: &Joint) -> Value {
             "coulomb_velocity_rad_s": joint.drive.coulomb_velocity,
         },
     })
+}
+
+/// What comes after a look at a robot that is so called on a command line: a robot file over a bare URDF, else a motion, else its log.
+fn next_commands(robot: &str, is_bare_urdf: bool) -> String {
+    if is_bare_urdf {
+        return format!("next: armid init {robot}\n");
+    }
+    format!(
+        "next, without a log: armid advise {robot}\nwith a log:          armid identify LOG --robot {robot} -o E.json\n"
+    )
 }

@@ -8,7 +8,7 @@ use toml::Spanned;
 
 use super::error::FormatError;
 use super::reading::{Check, Number};
-use crate::model::distinct;
+use crate::model::columns::distinct;
 use crate::model::term::Term;
 
 /// How far the truth may be from a guess: one standard deviation per group of parameters.
