@@ -16,8 +16,8 @@ use crate::terminal::{Answer, Console, Ending, Table, Watch};
 
 const AFTER_HELP: &str = "\
 The verdict is `passed` (exit 0) if the error of every joint is within --limit of its measured RMS, else \
-`failed` (exit 1). The log of the fit cannot pass. Rows of the fit count, those that a fit would use; errors \
-on all rows are listed too. Mapping and processing are those of the estimate. A URDF or MJCF predicts with \
+`failed` (exit 1). The log of the fit cannot pass. Rows that a fit would use count; errors \
+on all rows are listed. Mapping and processing are the estimate's. A URDF or MJCF predicts with \
 its own parameters.
 
 Examples:

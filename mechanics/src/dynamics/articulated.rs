@@ -170,7 +170,7 @@ pub(super) fn accelerations(
     let mut v = Motion::zero();
     for (k, (joint, body)) in chain.joints.iter().zip(&chain.bodies).enumerate() {
         let w = &mut work[k];
-        w.pose = joint.pose(q[k], turns.sin_cos(k));
+        w.pose = joint.pose(q[k], turns.sine_and_cosine(k));
         v = w.pose.motion_to_child(&v);
         let rate = qd[k];
         if joint.revolute {

@@ -65,7 +65,7 @@ fn mass_matrix(joints: &[JointFrame], work: &mut [CompositeJoint], mass: &mut [f
 /// The lower triangle of the row-major n × n mass matrix of the links at `q`.
 pub(super) fn mass_matrix_at(chain: &JointChain, work: &mut Workspace, q: &[f64], turns: &Turns) {
     for (k, ((w, joint), body)) in work.joints.iter_mut().zip(&chain.joints).zip(&chain.bodies).enumerate() {
-        w.pose = joint.pose(q[k], turns.sin_cos(k));
+        w.pose = joint.pose(q[k], turns.sine_and_cosine(k));
         w.body = *body;
     }
     mass_matrix(&chain.joints, &mut work.joints, &mut work.mass);
@@ -124,7 +124,7 @@ fn mass_matrix_and_bias(
     let mut v = Motion::zero();
     let mut a = Motion::new(Vector3::zeros(), base_acceleration);
     for (k, (joint, body)) in joints.iter().zip(bodies).enumerate() {
-        let pose = joint.pose(q[k], turns.sin_cos(k));
+        let pose = joint.pose(q[k], turns.sine_and_cosine(k));
         v = pose.motion_to_child(&v);
         a = pose.motion_to_child(&a);
         let rate = qd[k];

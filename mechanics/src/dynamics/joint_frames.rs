@@ -115,7 +115,7 @@ impl Turns {
 
     /// Sine and cosine of joint k.
     #[inline(always)]
-    pub(super) fn sin_cos(&self, k: usize) -> (f64, f64) {
+    pub(super) fn sine_and_cosine(&self, k: usize) -> (f64, f64) {
         (self.sines[k], self.cosines[k])
     }
 }

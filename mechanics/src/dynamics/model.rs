@@ -142,7 +142,7 @@ impl Dynamics {
     fn inverse_of_links(&mut self, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
         self.turns.take(&self.chain.joints, q);
         let (turns, carried) = (&self.turns, &mut self.carried);
-        let motion = |i: usize| ([q[i], qd[i], qdd[i]], turns.sin_cos(i));
+        let motion = |i: usize| ([q[i], qd[i], qdd[i]], turns.sine_and_cosine(i));
         inverse::efforts(&self.chain, carried, motion, |i, effort| tau[i] = effort);
     }
 
