@@ -150,7 +150,7 @@ fn experiment_of(name: &str) -> Result<Option<(Text, Table)>, Error> {
         let Some(found) = bundled_experiments::find(name, "experiment.toml") else { return Ok(None) };
         Text::new(format!("experiments/{}/experiment.toml", found.folder), found.text)
     };
-    if !Path::new(&text.name).extension().is_some_and(|ending| ending == "toml") {
+    if Path::new(&text.name).extension().is_none_or(|ending| ending != "toml") {
         return Ok(None);
     }
     let table: Table = toml::from_str(&text.content).map_err(|error| Error::of_toml(&text, &error))?;
