@@ -21,7 +21,7 @@ use super::figure;
 use super::folder::{Round, SETTINGS, read_settings};
 use super::motion::Motion;
 use super::settings::CampaignSettings;
-use super::stopping::{Obstacle, Outcome, Width, chance_of_a_look, is_out_of_reach, outcome};
+use super::stopping::{Obstacle, Outcome, Width, chance_of_a_look, is_model_error_shown, is_out_of_reach, outcome};
 use crate::identification::advice;
 use crate::log_source::LogSource;
 
@@ -240,7 +240,12 @@ impl Campaign {
 
     fn outcome(&self) -> Outcome {
         let targets = self.aims.iter().zip(&self.widths).map(|(aim, widths)| (aim.target.limit(), widths.clone()));
-        outcome(&targets.collect::<Vec<_>>(), self.settings.most_rounds)
+        outcome(&targets.collect::<Vec<_>>(), self.settings.most_rounds, self.is_model_error_shown())
+    }
+
+    fn is_model_error_shown(&self) -> bool {
+        let chance = chance_of_a_look(self.settings.most_rounds);
+        self.pooled.last().is_some_and(|last| is_model_error_shown(&last.estimate, chance))
     }
 
     /// How it stands, with its estimate and its figure in the folder.
@@ -264,7 +269,7 @@ impl Campaign {
         let is_met = |(aim, widths): (&Aim, &Vec<Width>)| {
             widths.last().is_some_and(|last| last.half_width <= aim.target.limit())
         };
-        let obstacles = self.pooled.last().map_or_else(Vec::new, |last| {
+        let obstacles = self.pooled.last().filter(|_| self.is_model_error_shown()).map_or_else(Vec::new, |last| {
             let blocked = targets().filter(|(aim, widths)| is_out_of_reach(aim.target.limit(), widths));
             blocked.map(|(aim, _)| Obstacle::of(&aim.target, &last.estimate)).collect()
         });

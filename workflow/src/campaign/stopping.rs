@@ -1,11 +1,15 @@
 //! When a campaign ends.
 
+use armid::estimation::{Estimate, Finding};
 use serde::Serialize;
 
 use super::target::Target;
 
 /// Probability with which any of the intervals of a campaign misses.
 const CHANCE: f64 = 0.05;
+
+/// Part of that probability below which an effect's p-value is beyond doubt: a campaign looks at several laws after every round.
+const SURE: f64 = 0.1;
 
 /// A round that makes the part by the model's errors narrower by no more than to this share of it does not help.
 const HELPS: f64 = 0.9;
@@ -67,13 +71,26 @@ pub(super) fn is_out_of_reach(limit: f64, widths: &[Width]) -> bool {
     last.half_width > limit && are_errors_wide && last.by_model_error > HELPS * before.by_model_error
 }
 
-/// How a campaign stands by the widths of every target (limits beside) after each of its rounds.
-pub(super) fn outcome(targets: &[(f64, Vec<Width>)], most_rounds: usize) -> Outcome {
+/// Whether an estimate shows an error of the model, where each interval may miss with this probability: an effect that is supported well beyond
+/// it, or torque beyond noise. What the robot file declares of its motors counts too. Otherwise their bound is wide for want of data.
+pub(super) fn is_model_error_shown(estimate: &Estimate, chance: f64) -> bool {
+    let is_declared = estimate.base.iter().any(|parameter| parameter.declared_std > 0.0);
+    is_declared
+        || estimate.findings.iter().any(|finding| match finding {
+            Finding::EffectShown { p_adjusted, .. } => *p_adjusted < SURE * chance,
+            Finding::LackOfFit { .. } | Finding::ResidualAboveNoise { .. } => true,
+            _ => false,
+        })
+}
+
+/// How a campaign stands by the widths of every target (limits beside) after each of its rounds, and by whether an error of the model is
+/// shown.
+pub(super) fn outcome(targets: &[(f64, Vec<Width>)], most_rounds: usize, is_error_shown: bool) -> Outcome {
     let rounds = targets.iter().map(|(_, widths)| widths.len()).min().unwrap_or(0);
     let is_met = |(limit, widths): &(f64, Vec<Width>)| widths.last().is_some_and(|last| last.half_width <= *limit);
     if rounds > 0 && targets.iter().all(is_met) {
         Outcome::Reached
-    } else if targets.iter().any(|(limit, widths)| is_out_of_reach(*limit, widths)) {
+    } else if is_error_shown && targets.iter().any(|(limit, widths)| is_out_of_reach(*limit, widths)) {
         Outcome::ModelError
     } else if rounds >= most_rounds {
         Outcome::MostRounds
@@ -94,7 +111,8 @@ mod tests {
     fn a_campaign_ends_where_every_target_is_met_or_one_is_out_of_reach() {
         let of = |targets: &[&[(f64, f64)]]| {
             let targets: Vec<_> = targets.iter().map(|all| (1.0, widths(all))).collect();
-            outcome(&targets, 4)
+            assert_ne!(outcome(&targets, 4, false), Outcome::ModelError, "none is shown");
+            outcome(&targets, 4, true)
         };
         assert_eq!(of(&[&[]]), Outcome::Unfinished);
         assert_eq!(of(&[&[(3.0, 0.0), (0.9, 0.0)], &[(0.5, 0.2), (0.4, 0.2)]]), Outcome::Reached);
