@@ -66,6 +66,9 @@ def assert_ctrl_c_ends(call):
         with pytest.raises(KeyboardInterrupt):
             call()
     finally:
+        # A call that ended by itself is no reason to interrupt the next test.
+        asked.cancel()
+        asked.join()
         signal.signal(signal.SIGINT, before)
 
 
