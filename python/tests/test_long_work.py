@@ -57,10 +57,10 @@ def endless(**more):
     return armid.Robot.load("crs-a460").design("d-optimal", starts=1000, evaluations=100_000, **more)
 
 
-def assert_ctrl_c_ends(call):
+def assert_ctrl_c_ends(call, after_s):
     # A shell that starts a program in the background has it ignore this signal.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    asked = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
+    asked = threading.Timer(after_s, lambda: os.kill(os.getpid(), signal.SIGINT))
     asked.start()
     try:
         with pytest.raises(KeyboardInterrupt):
@@ -82,14 +82,15 @@ def test_ctrl_c_ends_a_design_while_other_threads_run():
     other = threading.Thread(target=tick)
     other.start()
     try:
-        assert_ctrl_c_ends(endless)
+        assert_ctrl_c_ends(endless, 0.5)
     finally:
         over.set()
         other.join()
     assert len(ticks) > 5
 
 
-def test_ctrl_c_ends_every_other_long_call(robot, design, log, tmp_path):
+def test_ctrl_c_ends_every_other_long_call(robot, design, tmp_path):
+    log = robot.simulate(design, periods=16)
     plan = tmp_path / "study.toml"
     plan.write_text(PLAN.replace("runs = 6", "runs = 100000"))
     for call in [
@@ -98,7 +99,8 @@ def test_ctrl_c_ends_every_other_long_call(robot, design, log, tmp_path):
         lambda: robot.identify(log, select="all"),
         lambda: armid.study(plan, tmp_path / "study"),
     ]:
-        assert_ctrl_c_ends(call)
+        # The shortest of them takes half a second.
+        assert_ctrl_c_ends(call, 0.1)
 
 
 def test_progress_is_told_and_its_exception_ends_the_work():
