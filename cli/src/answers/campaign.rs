@@ -20,7 +20,9 @@ pub(crate) fn campaign_text(answer: &CampaignAnswer) -> String {
     );
     let verdict = match answer.outcome {
         Outcome::Reached => "every target is reached",
-        Outcome::ModelError => "NOT REACHABLE: errors of the model are wider than a target",
+        Outcome::ModelError => {
+            "NOT REACHABLE by these intervals: the bound on errors of the model is wider than a target"
+        }
         Outcome::MostRounds => "not reached: the rounds are used up",
         Outcome::Unfinished => "not reached yet",
     };
@@ -28,12 +30,12 @@ pub(crate) fn campaign_text(answer: &CampaignAnswer) -> String {
     text.push_str(&targets(answer, &last.widths).render(2));
     for obstacle in &answer.obstacles {
         text.push('\n');
-        text.push_str(&paragraph(&format!("{}: more motion does not help. {}", obstacle.target, obstacle.effect), 2));
+        text.push_str(&paragraph(&format!("{}: another round did not help. {}", obstacle.target, obstacle.effect), 2));
         text.push_str(&paragraph(&format!("→ {}", obstacle.advice), 4));
     }
     text.push('\n');
     text.push_str(&by_round(answer).render(2));
-    let _ = writeln!(text, "  all intervals of at most {} rounds hold together with 95 %", answer.most_rounds);
+    let _ = writeln!(text, "  intervals are for 95 % over at most {} rounds together", answer.most_rounds);
     for (what, path) in [("estimate by all rounds", &answer.estimate), ("figure", &answer.figure)] {
         if let Some(path) = path {
             let _ = writeln!(text, "{what}: {}", path.display());

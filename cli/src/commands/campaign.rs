@@ -19,8 +19,8 @@ use crate::terminal::{Answer, Console, Ending, Watch, report_folder};
 
 const AFTER_HELP: &str = "\
 Each round is designed from the estimate by all rounds before, performed behind the guard and identified. It ends when \
-every interval is within its target, when errors of the model keep one out of reach, or after --rounds. All intervals hold \
-together with 95 %. Called again, it goes on where it ended.
+every interval is within its target, when errors of the model keep one out of reach, or after --rounds. Intervals are \
+for 95 % over all rounds together. Called again, it goes on where it ended.
 
 Examples:
   armid campaign crs-a460 --until \"torque <= 1 %\" -o campaign
@@ -170,6 +170,8 @@ impl Arguments {
     /// Whether anything is said that a folder keeps.
     fn states_settings(&self) -> bool {
         let said = [
+            self.chain.base_link.is_some(),
+            self.chain.tip_link.is_some(),
             !self.until.is_empty(),
             self.rounds.is_some(),
             self.periods.is_some(),
