@@ -1,6 +1,11 @@
 """Line charts on logarithmic axes as SVG: axes with units, a grid of decades, a legend."""
 
 import math
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+from figure_frame import framed  # noqa: E402
 
 WIDTH, HEIGHT = 560, 360
 LEFT, RIGHT, TOP, BOTTOM = 70, 190, 20, 50
@@ -31,8 +36,7 @@ def chart(title, x_label, y_label, series, slope=None):
     x0, x1, y0, y1 = min(xs), max(xs), min(ys) / 1.3, max(ys) * 1.3
     across = lambda x: LEFT + (WIDTH - LEFT - RIGHT) * math.log(x / x0) / math.log(x1 / x0)
     up = lambda y: HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * math.log(y / y0) / math.log(y1 / y0)
-    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif" font-size="12" role="img">',
-           f"<title>{title}</title>", f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>']
+    out = []
     for x in ticks(x0, x1):
         out.append(f'<path d="M{across(x):.1f} {TOP}V{HEIGHT - BOTTOM}" stroke="#ddd"/>'
                    f'<text x="{across(x):.1f}" y="{HEIGHT - BOTTOM + 16}" text-anchor="middle">{label(x)}</text>')
@@ -57,4 +61,4 @@ def chart(title, x_label, y_label, series, slope=None):
         y = TOP + 12 + 18 * len(series)
         out.append(f'<path d="M{WIDTH - RIGHT + 12} {y}h24" stroke="#777"/><text x="{WIDTH - RIGHT + 42}" y="{y + 4}">'
                    f'{"linear" if slope == 1 else f"power {slope}"}</text>')
-    return "\n".join([*out, "</svg>"]) + "\n"
+    return framed(WIDTH, HEIGHT, title, out)

@@ -85,6 +85,14 @@ def power(points):
     return math.log(points[b] / points[a]) / math.log(b / a) if b > a else math.nan
 
 
+def finding(title, unit, slope, lines):
+    """The title of a figure: how its fastest line grows, or where it begins and ends."""
+    if slope is not None:
+        return f"{title}: grows with power {max(power(dict(points)) for points in lines.values()):.1f} at most"
+    points = next(iter(lines.values()))
+    return f"{title}: {points[0][1]:.3g} to {points[-1][1]:.3g} {unit}"
+
+
 def page(found, machine):
     out = ["# How cost grows", "", "Cost grows about linearly with samples and runs, and with at most about the third power of the joints.", "",
            "`python3 benches/peers/growth.py` measures everything here and writes this page. Figures are for one core if nothing else is said.",
@@ -120,7 +128,7 @@ def main():
              for name, lines in read["figures"].items()}
     for name, (title, x, unit, slope, scale) in FIGURES.items():
         lines = {series: [(size, value / scale) for size, value in sorted(points.items())] for series, points in found[name].items()}
-        (folder / f"{name}.svg").write_text(chart(title, x, unit, lines, slope))
+        (folder / f"{name}.svg").write_text(chart(finding(title, unit, slope, lines), x, unit, lines, slope))
     (folder / "README.md").write_text(page(found, read["machine"]))
 
 

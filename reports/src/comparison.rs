@@ -1,6 +1,7 @@
 //! The page that sets two estimates side by side.
 
 use armid::estimation::Comparison;
+use armid::number::significant;
 
 use crate::document::{Cell, Column, Table};
 use crate::{
@@ -63,8 +64,11 @@ fn differences(input: &ComparisonInput) -> Result<Section, DocumentError> {
         let z = parameter.difference_std;
         IntervalRow { label: parameter.name.clone(), cells: vec![Some(Interval::new(z, z - 1.96, z + 1.96))] }
     });
+    let (beyond, count) = (input.comparison.beyond, input.comparison.parameters.len());
+    let apart = (beyond * count as f64).round();
+    let title = format!("{apart} of {count} parameters differ by more than 1.96 standard deviations");
     let figure = IntervalFigure {
-        heading: Heading::new("differences", "Each parameter's difference, in standard deviations")
+        heading: Heading::new("differences", title)
             .subtitle(format!("{} less {}", input.labels[1], input.labels[0]))
             .caption("Points: difference over the root of the summed variances. Bars: ± 1.96, which cover zero in 95 % of parameters where noise alone makes the difference."),
         value: Axis::linear("difference", "std"),
@@ -82,9 +86,11 @@ fn residuals(input: &ComparisonInput) -> Result<Section, DocumentError> {
         bars: input.comparison.residual_rms.iter().map(|rms| Some(Bar { value: rms[j], interval: None })).collect(),
     });
     let unit = input.comparison.units.first().map_or("", String::as_str);
+    let [first, second] = &input.comparison.residual_rms;
+    let less = first.iter().zip(second).filter(|(first, second)| first < second).count();
+    let title = format!("{} leaves less unexplained on {less} of {} joints", input.labels[0], first.len());
     let figure = BarFigure {
-        heading: Heading::new("residuals", "What each fit leaves unexplained")
-            .caption("Bars: RMS residual of each joint's equations."),
+        heading: Heading::new("residuals", title).caption("Bars: RMS residual of each joint's equations."),
         value: Axis::linear("residual RMS", unit),
         groups: Group::assign(input.labels.clone()),
         rows: rows.collect(),
@@ -105,8 +111,14 @@ fn predictions(input: &ComparisonInput) -> Result<Section, DocumentError> {
         };
         BarRow { label: joint.clone(), bars: input.predictions.iter().map(bar).collect() }
     });
+    let shares = input.predictions.iter().flatten().flat_map(|p| input.joints.iter().zip(&p.relative_rms));
+    let worst = shares.max_by(|a, b| a.1.total_cmp(b.1));
+    let title = worst.map_or_else(
+        || "Error of the predicted effort".to_owned(),
+        |(joint, share)| format!("At most {} % of a joint's effort is missed ({joint})", significant(100.0 * share, 2)),
+    );
     let figure = BarFigure {
-        heading: Heading::new("prediction", "Error of the predicted effort")
+        heading: Heading::new("prediction", title)
             .caption("Bars: RMS of measured less predicted effort over the RMS of the measured."),
         value: Axis::linear("share of the measured RMS", "%"),
         groups: Group::assign(input.labels.clone()),

@@ -2,6 +2,7 @@
 
 use armid::excitation::{CriterionKind, Design, HistoryPoint};
 use armid::model::Robot;
+use armid::number::significant;
 use armid::study::LimitExample;
 use armid::trajectory::PeriodicTrajectory;
 
@@ -21,8 +22,12 @@ pub fn design_convergence(robot: &str, designs: &[Design], baseline: Option<&Des
         .map(|(label, style, design)| curve(label, GroupStyle::nth(style), &design.history))
         .filter(|curve| !curve.points.is_empty())
         .collect();
+    let best = designs.iter().min_by(|a, b| a.cost().total_cmp(&b.cost()))?;
+    let against =
+        baseline.map_or_else(String::new, |drawn| format!(", random draws at {}", significant(drawn.value, 3)));
+    let title = format!("{robot}: the best start ends at {}{against}", significant(best.value, 3));
     (!curves.is_empty()).then(|| ConvergenceFigure {
-        heading: Heading::new("convergence", format!("{robot}: how the designs converge"))
+        heading: Heading::new("convergence", title)
             .subtitle(
                 "best value so far against evaluations, one line per start; a gradient counts as one evaluation more",
             )
@@ -63,7 +68,11 @@ pub(crate) fn curve(label: &str, style: GroupStyle, history: &[HistoryPoint]) ->
 }
 
 /// A design against its limits, one panel per joint that has any; `None` where no joint has.
-pub fn limits_figure(example: &LimitExample, joints: &[String], heading: Heading) -> Option<TimeSeriesFigure> {
+pub fn limits_figure(
+    example: &LimitExample,
+    joints: &[String],
+    heading: impl FnOnce(String) -> Heading,
+) -> Option<TimeSeriesFigure> {
     let quantities = [
         ("position", &example.position),
         ("velocity", &example.velocity),
@@ -88,8 +97,14 @@ pub fn limits_figure(example: &LimitExample, joints: &[String], heading: Heading
         })
         .filter(|panel| !panel.lines.is_empty())
         .collect();
+    let most = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let shares = quantities
+        .iter()
+        .flat_map(|(what, all)| all.iter().zip(joints).map(|(values, joint)| (joint, *what, most(values))));
+    let (joint, what, share) = shares.max_by(|a, b| a.2.total_cmp(&b.2))?;
+    let finding = format!("{joint} comes closest to a limit: {} % of its {what}", significant(100.0 * share, 3));
     (!panels.is_empty()).then(|| TimeSeriesFigure {
-        heading: heading.caption("Each quantity over its limit; position counts from the middle of its range. Torque is that of the nominal parameters, over the joint's rating."),
+        heading: heading(finding).caption("Each quantity over its limit; position counts from the middle of its range. Torque is that of the nominal parameters, over the joint's rating."),
         time: Axis::linear("time", "s"),
         value: Axis::linear("share of the limit", ""),
         columns: 2,

@@ -65,7 +65,7 @@ impl Design {
     }
 
     /// The value, so turned that smaller is better.
-    fn cost(&self) -> f64 {
+    pub fn cost(&self) -> f64 {
         if self.larger_is_better { -self.value } else { self.value }
     }
 }

@@ -47,10 +47,11 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
 fn figure(example: &LimitExample, input: &ReportInput) -> Option<TimeSeriesFigure> {
     let joints: Vec<String> = input.result.joints.iter().map(|joint| joint.name.clone()).collect();
     let name = format!("limits-{}", stem(&example.family));
-    let heading =
-        Heading::new(name, format!("{} design: use of each limit", capitalised(&criterion_in_words(&example.family))))
-            .subtitle(format!("design {} of the study", example.design));
-    limits_figure(example, &joints, heading)
+    let family = capitalised(&criterion_in_words(&example.family));
+    limits_figure(example, &joints, |finding| {
+        Heading::new(name, format!("{family} design: {finding}"))
+            .subtitle(format!("design {} of the study", example.design))
+    })
 }
 
 /// A family's name as a part of a file's name.

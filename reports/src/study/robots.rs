@@ -1,11 +1,10 @@
 //! The page of one study on several robots: what one robot says, beside what the others say.
 
-use armid::study::{
-    Metric, RobotDifference, RobotsComparison, RobotsSummary, criterion_in_words, criterion_pair_in_words,
-};
+use armid::study::{Metric, RobotDifference, RobotsComparison, RobotsSummary, criterion_in_words};
 
 use super::overview::TESTED;
 use super::selection::GROUPS;
+use super::titles;
 use crate::{
     Axis, Cell, Column, Document, DocumentError, Group, Heading, Interval, IntervalFigure, IntervalRow, Level, Section,
     Table,
@@ -101,10 +100,17 @@ fn figure(summary: &RobotsSummary, [first, second]: [&str; 2], rows: &[&RobotsCo
         one.interval.map(|i| Interval::new(one.difference, i.low.min(one.difference), i.high.max(one.difference)))
     };
     let in_words = criterion_in_words(second);
+    let rows: Vec<IntervalRow> = rows
+        .iter()
+        .map(|row| IntervalRow {
+            label: row.condition.clone(),
+            cells: row.robots.iter().map(|one| one.as_ref().and_then(cell)).collect(),
+        })
+        .collect();
     IntervalFigure {
         heading: Heading::new(
             format!("robots-{}-over-{}", slug(first), slug(second)),
-            format!("{} on each robot", criterion_pair_in_words(first, second)),
+            titles::pair_on_robots(&criterion_in_words(first), &in_words, &rows),
         )
         .subtitle(format!("{}, estimator {}", Metric::Prediction.title(), summary.shown_estimator()))
         .caption(format!(
@@ -112,13 +118,7 @@ fn figure(summary: &RobotsSummary, [first, second]: [&str; 2], rows: &[&RobotsCo
         )),
         value: Axis::log(format!("error relative to {in_words}"), ""),
         groups: Group::assign(summary.robots.iter().map(|robot| robot.robot.clone())),
-        rows: rows
-            .iter()
-            .map(|row| IntervalRow {
-                label: row.condition.clone(),
-                cells: row.robots.iter().map(|one| one.as_ref().and_then(cell)).collect(),
-            })
-            .collect(),
+        rows,
         levels: vec![Level::new(1.0, "no difference")],
         band: None,
     }

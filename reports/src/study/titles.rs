@@ -145,6 +145,20 @@ pub(super) fn differences(rows: &[IntervalRow]) -> String {
     format!("{apart} of {} intervals exclude a ratio of 1", cells.len())
 }
 
+/// In how many scenarios on how many robots the first family's interval is below the second's error, and above; not adjusted for
+/// their number.
+pub(super) fn pair_on_robots(first: &str, second: &str, rows: &[IntervalRow]) -> String {
+    let cells: Vec<Interval> = rows.iter().flat_map(|row| row.cells.iter().copied().flatten()).collect();
+    let count = |is: fn(&Interval) -> bool| cells.iter().filter(|cell| is(cell)).count();
+    format!(
+        "{}: below {second} in {} of {} cases, above in {} (95 % intervals)",
+        capitalised(first),
+        count(|cell| cell.high < 1.0),
+        cells.len(),
+        count(|cell| cell.low > 1.0)
+    )
+}
+
 /// The parameter that an effect biases most.
 pub(super) fn biased_most(shown: &[&SensitivityEntry], names: &[String]) -> Option<String> {
     let all = shown
@@ -165,7 +179,7 @@ pub(super) fn least(rows: &[String], columns: &[String], values: &[Option<f64>],
 
 #[cfg(test)]
 mod tests {
-    use super::{against, differences, estimators, least, rounds};
+    use super::{against, differences, estimators, least, pair_on_robots, rounds};
     use crate::{Interval, IntervalRow};
 
     fn rows() -> Vec<IntervalRow> {
@@ -182,6 +196,8 @@ mod tests {
         let said = against(&["condition", "i-optimal"], &rows(), "D-optimal").unwrap();
         assert_eq!(said, "I-optimal is below D-optimal in 2 of 3 scenarios, above in 1 (95 % intervals)");
         assert_eq!(differences(&rows()), "5 of 6 intervals exclude a ratio of 1");
+        let said = pair_on_robots("condition number", "D-optimal", &rows());
+        assert_eq!(said, "Condition number: below D-optimal in 3 of 6 cases, above in 2 (95 % intervals)");
     }
 
     #[test]

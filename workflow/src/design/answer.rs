@@ -95,10 +95,11 @@ impl DesignAnswer {
         let joints: Vec<String> = self.problem.robot().joints().iter().map(|joint| joint.name.clone()).collect();
         let example =
             LimitExample::new(self.problem.robot(), self.problem.limits().nominal.as_ref(), &self.best.trajectory);
-        let heading = Heading::new("limits", format!("{robot}: the design against its limits"))
-            .subtitle(format!("one period, optimised for {}", self.best.criterion));
         let convergence = design_convergence(robot, &self.designs, self.baseline.as_ref());
-        let limits = limits_figure(&example, &joints, heading);
+        let limits = limits_figure(&example, &joints, |finding| {
+            Heading::new("limits", format!("{robot}: {finding}"))
+                .subtitle(format!("one period, optimised for {}", self.best.criterion))
+        });
         let poses = poses_figure(self.problem.robot(), &self.best.trajectory);
         let drawn = [
             convergence.map(|figure| ("convergence", figure.svg())),

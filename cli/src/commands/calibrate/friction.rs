@@ -1,6 +1,6 @@
 //! `armid calibrate friction`
 
-use armid::calibration::{Friction, friction};
+use armid::calibration::{Friction, FrictionPoint, friction};
 use armid_io::Error;
 use armid_reports::{Axis, Heading, Reference, ScatterFigure, ScatterPoint};
 use miette::Result;
@@ -81,7 +81,14 @@ fn figure(found: &Friction, bench: &Bench) -> ScatterFigure {
         .points
         .iter()
         .map(|p| ScatterPoint::new(p.speed, p.friction.value).interval(p.friction.ci95[0], p.friction.ci95[1]));
-    let heading = Heading::new("friction", "Friction grows with speed along a straight line")
+    let on_line =
+        |point: &&FrictionPoint| (point.friction.ci95[0]..=point.friction.ci95[1]).contains(&at(point.speed).1);
+    let title = format!(
+        "The line of Coulomb and viscous friction meets {} of {} intervals",
+        found.points.iter().filter(on_line).count(),
+        found.points.len()
+    );
+    let heading = Heading::new("friction", title)
         .caption("Points: half the difference of the efforts there and back over the same positions, with 95 % intervals. Line: Fc + Fv v.");
     let line = Reference::Segment {
         from: at(0.0),

@@ -185,8 +185,12 @@ fn figure(found: &[KnownLoad], loaded: &LoadedRobot) -> IntervalFigure {
         let cell = high.is_finite().then(|| Interval::new(share.value, share.ci95[0], high));
         IntervalRow { label: joint.joint.clone(), cells: vec![cell] }
     });
+    let shares = found.iter().map(|joint| 100.0 * joint.torque_constant.value / joint.assumed);
+    let (least, most) =
+        shares.fold((f64::INFINITY, 0.0_f64), |(least, most), share| (least.min(share), most.max(share)));
+    let title = format!("Torque constants are {least:.1} to {most:.1} % of the robot file's");
     IntervalFigure {
-        heading: Heading::new("torque-constants", "Torque constants against those of the robot file")
+        heading: Heading::new("torque-constants", title)
             .subtitle(loaded.robot.name())
             .caption("Points: torque constants by what a known payload adds, with 95 % intervals."),
         value: Axis::linear("torque constant, share of the robot file's", "%"),

@@ -106,7 +106,12 @@ fn figure(found: &BackEmf, bench: &Bench) -> ScatterFigure {
     let constant = found.torque_constant;
     let end = |side: f64| (side * fastest, side * fastest * constant.value);
     let points = found.points.iter().map(|point| ScatterPoint::new(point.speed, point.voltage));
-    let heading = Heading::new("back-emf", "The back-EMF is a straight line through zero whose slope is the torque constant")
+    let title = format!(
+        "By its back-EMF the torque constant is {:.4} ± {:.4} N·m/A",
+        constant.value,
+        constant.ci95[1] - constant.value
+    );
+    let heading = Heading::new("back-emf", title)
         .caption("Points: windows of 50 ms; terminal voltage less the shares of resistance, inductance and brushes. Line: the estimate.");
     let line = Reference::Segment {
         from: end(-1.0),
