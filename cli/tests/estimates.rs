@@ -35,7 +35,7 @@ fn the_page_of_an_estimate_is_the_same_with_its_log_and_without() {
     // Without its figures the log is needed.
     let mut without: Value = serde_json::from_str(&std::fs::read_to_string(&out).unwrap()).unwrap();
     without.as_object_mut().expect("an object").remove("figures").expect("figures");
-    let old = support::write(folder.path(), "old.json", &without.to_string());
+    let old = write(folder.path(), "old.json", &without.to_string());
     assert!(stderr(&armid(["report", &old, "-o", &path(folder.path(), "old")]).code(2)).contains("R.mcap"));
 }
 
