@@ -4,7 +4,7 @@ mod support;
 
 use std::path::Path;
 
-use support::{armid, files, json, stderr, stdout, temporary, write};
+use support::{armid, armid_in, files, json, stderr, stdout, temporary, write};
 
 /// A small experiment on the planar arm.
 fn planar(folder: &Path) -> String {
@@ -36,6 +36,15 @@ fn a_campaign_goes_on_where_it_ended_and_to_the_same_bytes() {
         let _ = std::fs::remove_file(last.join("log.mcap.part"));
         assert!(files(&place) == whole);
     }
+    // Another tool's file of the estimate is tested on the logs of the rounds, from any folder. A URDF lacks terms, whatever it predicts.
+    let export = ["export", "campaign/estimate.json", "--to", "urdf", "-o", "arm.urdf", "--json"];
+    let file = json(&armid_in(folder.path(), export));
+    assert!(file["prediction"]["file"]["fit"].is_f64() && folder.path().join("arm.urdf").is_file(), "{file}");
+    let estimate: serde_json::Value = serde_json::from_slice(&whole["estimate.json"]).expect("an estimate");
+    assert_eq!(
+        estimate["inputs"]["logs"].as_array().and_then(|logs| logs.last()),
+        Some(&format!("rounds/{rounds:02}/log.mcap").into())
+    );
     assert!(stderr(&armid(["campaign", &there, "--rounds", "3"]).code(2)).contains("has its settings"));
     assert!(stderr(&armid(["campaign", &there, "--log", "x.csv"]).code(2)).contains("not by hand"));
 }

@@ -18,6 +18,27 @@ fn record(folder: &Path, name: &str, seed: &str) -> String {
     recording
 }
 
+#[test]
+fn the_page_of_an_estimate_is_the_same_with_its_log_and_without() {
+    let folder = temporary();
+    let recording = record(folder.path(), "R.mcap", "3");
+    let out = path(folder.path(), "E.json");
+    armid(["identify", &recording, "-o", &out]).success();
+    let page = |name: &str, more: &[&str]| {
+        let place = path(folder.path(), name);
+        armid([&["report", &out, "-o", &place][..], more].concat()).success();
+        std::fs::read_to_string(Path::new(&place).join("report.html")).expect("a page")
+    };
+    let of_log = page("of-log", &["--robot", "crs-a460"]);
+    std::fs::remove_file(&recording).expect("a log");
+    assert!(page("of-file", &[]) == of_log, "the pages differ");
+    // Without its figures the log is needed.
+    let mut without: Value = serde_json::from_str(&std::fs::read_to_string(&out).unwrap()).unwrap();
+    without.as_object_mut().expect("an object").remove("figures").expect("figures");
+    let old = write(folder.path(), "old.json", &without.to_string());
+    assert!(stderr(&armid(["report", &old, "-o", &path(folder.path(), "old")]).code(2)).contains("R.mcap"));
+}
+
 fn value(estimate: &Value, name: &str) -> f64 {
     let base = estimate["base"].as_array().expect("a list");
     let found = base.iter().find(|parameter| parameter["name"] == name).expect("a parameter");

@@ -372,7 +372,7 @@ fn paths_of_an_estimate_hold_beside_it_and_its_own_log_validates_nothing() {
     std::fs::rename(home.join("arm.toml"), home.join("moved.toml")).expect("another name");
     for command in [
         &["validate", "home/E.json", "home/R.csv"][..],
-        &["report", "home/E.json"],
+        &["report", "home/E.json", "--robot", "nowhere.toml"],
         &["export", "home/E.json", "--to", "json"],
     ] {
         let fault = stderr(&at(folder.path(), command).code(2));

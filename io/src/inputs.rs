@@ -68,7 +68,8 @@ impl Inputs {
     /// Paths that lead nowhere from the current folder are taken from another one, where they lead somewhere from there.
     fn look_beside(&mut self, folder: &Path) {
         let robot = self.robot.name.as_mut().filter(|name| bundled().iter().all(|entry| entry.name != name.as_str()));
-        for path in robot.into_iter().chain(&mut self.logs).chain(&mut self.held_out_log) {
+        let files = self.files.iter_mut().map(|file| &mut file.path);
+        for path in robot.into_iter().chain(&mut self.logs).chain(&mut self.held_out_log).chain(files) {
             let beside = folder.join(path.as_str());
             if !Path::new(path.as_str()).exists() && beside.exists() {
                 *path = beside.display().to_string();

@@ -1,7 +1,7 @@
 //! Texts with their names, so that an error can point into them.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{Cursor, Read, Seek};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -9,6 +9,22 @@ use armid::input::SizeLimit;
 use armid::input::size::TEXT_BYTES;
 
 use crate::error::Error;
+
+/// Bytes that are read in pieces, and again from the beginning.
+pub(crate) trait Source: Read + Seek {}
+
+impl<T: Read + Seek> Source for T {}
+
+/// Opens a file to be read in pieces, unless it is longer than a limit; a pipe or a device is held in memory.
+pub(crate) fn open(path: &Path, limit: &SizeLimit) -> Result<Box<dyn Source>, Error> {
+    let unreadable = |error: std::io::Error| Error::unreadable(path, &error);
+    let about = std::fs::metadata(path).map_err(unreadable)?;
+    if !about.is_file() {
+        return Ok(Box::new(Cursor::new(read_bytes(path, limit)?)));
+    }
+    limit.check(&path.display().to_string(), about.len() as f64)?;
+    Ok(Box::new(File::open(path).map_err(unreadable)?))
+}
 
 /// Reads a file, a pipe or a device to its end, unless that lies beyond a limit.
 pub(crate) fn read_bytes(path: &Path, limit: &SizeLimit) -> Result<Vec<u8>, Error> {

@@ -13,7 +13,7 @@ use armid_io::log::{HeldOut, find};
 use armid_io::robot::ChainSource;
 use armid_io::{Error, Inputs, LogSettings, ProcessedLog, Text, estimate};
 use armid_workflow::export::{Exchange, ExportSettings, export as exported, export_source};
-use armid_workflow::report::{Sheet, TorqueComparison, write_estimate_report};
+use armid_workflow::report::{EstimatePage, Sheet, TorqueComparison};
 use armid_workflow::{PayloadSide, columns_of, payload as payload_of, validate as validated};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadwriteArrayDyn};
 use pyo3::prelude::*;
@@ -253,7 +253,7 @@ fn compared<T: Send + 'static>(
     answer.map_err(exception)
 }
 
-/// Draws the page of an estimate into a folder; returns the page.
+/// Draws the page of an estimate into a folder; returns the page. Logs are read where the file holds no figures of them.
 #[pyfunction]
 pub(crate) fn report(
     py: Python<'_>,
@@ -263,10 +263,17 @@ pub(crate) fn report(
     folder: PathBuf,
 ) -> PyResult<PathBuf> {
     let made = Made::parse(file).map_err(exception)?;
+    let stored = EstimatePage::of_file(&Text::new(file.0, file.1)).map_err(exception)?;
     let (robot, logs) = (robot.clone(), kept(logs));
     let page = watched(py, None, Leaves::Files, move |observer| {
-        let (log, inputs) = made.log(&robot, &logs)?;
-        write_estimate_report(&folder, &made.estimate, &made.name, &log, inputs, Sheet::Screen, observer)
+        let page = match stored {
+            Some(page) => page,
+            None => {
+                let (log, inputs) = made.log(&robot, &logs)?;
+                EstimatePage::of_log(&made.estimate, &made.name, &log, inputs.clone(), observer)?
+            }
+        };
+        page.write(&folder, &made.estimate, Sheet::Screen)
     })?;
     page.map_err(exception)
 }

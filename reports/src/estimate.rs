@@ -1,5 +1,7 @@
 //! The page of one estimate: does it explain the torque, where not, and what it found.
 
+use serde::{Deserialize, Serialize};
+
 use crate::document::{Cell, Column, Table};
 use crate::drawing::ticks::significant;
 use crate::residual::ResidualDiagnostics;
@@ -12,15 +14,18 @@ use crate::{
 const PANELS: usize = 12;
 
 /// Measured and predicted torque of one joint.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TorqueTrace {
     /// Name of the joint.
     pub joint: String,
     /// Times, s.
+    #[serde(with = "crate::curve")]
     pub times: Vec<f64>,
     /// Measured torque.
+    #[serde(with = "crate::curve")]
     pub measured: Vec<f64>,
     /// Predicted torque.
+    #[serde(with = "crate::curve")]
     pub predicted: Vec<f64>,
 }
 

@@ -49,6 +49,7 @@ mod drawing;
 pub mod figures;
 pub mod document;
 mod comparison;
+mod curve;
 mod design;
 mod residual;
 mod estimate;

@@ -1,5 +1,7 @@
 //! What the residual of an estimate shows: figures, each with the sentence that it supports.
 
+use serde::{Deserialize, Serialize};
+
 use crate::{
     Axis, Dash, DocumentError, GroupStyle, Heading, Limit, Line, ScatterFigure, ScatterGroup, ScatterPanel,
     ScatterPoint, Section, TimePanel, TimeSeriesFigure,
@@ -9,30 +11,37 @@ use crate::{
 const PANELS: usize = 12;
 
 /// The residual of one joint, on the equations of the fit.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResidualTrace {
     /// Name of the joint.
     pub joint: String,
     /// Times, s.
+    #[serde(with = "crate::curve")]
     pub times: Vec<f64>,
     /// Measured less predicted torque.
+    #[serde(with = "crate::curve")]
     pub residual: Vec<f64>,
     /// Velocity.
+    #[serde(with = "crate::curve")]
     pub velocity: Vec<f64>,
     /// What the links take, by the estimate.
+    #[serde(with = "crate::curve")]
     pub load: Vec<f64>,
     /// Position.
+    #[serde(with = "crate::curve")]
     pub position: Vec<f64>,
     /// Lags, s; none where there are too few equations.
+    #[serde(with = "crate::curve")]
     pub lags: Vec<f64>,
     /// The autocorrelation of the residual at each.
+    #[serde(with = "crate::curve")]
     pub autocorrelation: Vec<f64>,
     /// What the autocorrelation of white noise stays within, in 95 % of cases.
     pub white_within: f64,
 }
 
 /// What the residual shows. The first sentence on each figure is its title, the others are below it.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResidualDiagnostics {
     /// Joint by joint; those without equations are left out.
     pub traces: Vec<ResidualTrace>,

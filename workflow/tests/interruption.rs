@@ -17,7 +17,7 @@ use armid_io::{ErrorKind, Inputs, LoadedRobot, Log, LogSettings, ProcessedLog, r
 use armid_workflow::design::{DesignGoal, DesignSettings, design};
 use armid_workflow::export::{Exchange, ExportSettings, export};
 use armid_workflow::identification::{IdentifySettings, identify};
-use armid_workflow::report::{Sheet, write_estimate_report};
+use armid_workflow::report::EstimatePage;
 use armid_workflow::{PayloadSide, SimulationSettings, simulate, validate};
 
 /// Ends the work at so many reports, and keeps all of them.
@@ -165,11 +165,7 @@ fn identity_what_has_no_iterate_to_return_ends_with_an_error() {
     has_no_result("the fit of a model", 4, |observer| export(estimate, name, log.clone(), &settings, observer));
     let estimates = std::slice::from_ref(estimate);
     has_no_result("a validation", 2, |observer| validate(estimates, name, &log, [None; 2], 0.1, observer));
-    let folder = tempfile::tempdir().unwrap();
-    let page = |observer: &dyn Observer| {
-        write_estimate_report(folder.path(), estimate, name, &log, &inputs, Sheet::Screen, observer)
-    };
-    has_no_result("a page", 4, page);
+    has_no_result("a page", 3, |observer| EstimatePage::of_log(estimate, name, &log, inputs.clone(), observer));
     // The onset of friction is looked for in logs without periods.
     let foreign = foreign(&log);
     assert!(foreign.has_no_periods());

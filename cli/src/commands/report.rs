@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use armid::model::format::ChainEnds;
 use armid::study::{CriterionRatios, EffectLevels, StudyResult};
 use armid_io::study::{read_figure_numbers, read_robots, read_study};
 use armid_io::{Error, Text, estimate};
 use armid_workflow::LogSource;
 use armid_workflow::report::{
-    ComparisonAnswer, Sheet, write_comparison, write_criteria, write_estimate_report, write_levels, write_report,
+    ComparisonAnswer, EstimatePage, Sheet, write_comparison, write_criteria, write_levels, write_report,
     write_robots_report,
 };
 use miette::Result;
@@ -19,8 +20,8 @@ use crate::terminal::{Answer, Console, Ending, Watch};
 
 const AFTER_HELP: &str = "\
 The page of a study is drawn again from stored results; nothing is computed. The page of an estimate shows \
-measured and predicted torque, residuals, parameters with intervals, and a verdict with its reason. Its logs \
-are read again.
+measured and predicted torque, residuals, parameters with intervals, and a verdict with its reason. The \
+estimate holds all of it. Its logs are read again for a campaign's estimate, or with --robot.
 
 Examples:
   armid report reports/01-criteria
@@ -43,7 +44,7 @@ pub(crate) struct Arguments {
     /// Compare two estimates: JSON files of `identify`, or folders
     #[arg(long, num_args = 2, value_names = ["A", "B"], conflicts_with = "folders")]
     compare: Option<Vec<PathBuf>>,
-    /// Robot of the estimates, if its file was moved
+    /// Read the logs of the estimates again, with this robot
     #[arg(long, conflicts_with = "compare")]
     robot: Option<String>,
     /// Draw one figure of one or several studies
@@ -115,9 +116,15 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             let text = Text::read(folder)?;
             let estimate = estimate::parse(&text)?;
             let (robot, chain) = (arguments.robot.clone(), arguments.chain.ends());
-            let (log, inputs) = LogSource { robot, chain, ..LogSource::default() }.again(&text, &[])?;
-            let watch = Watch::new(console);
-            pages.push(write_estimate_report(&output, &estimate, &text.name, &log, &inputs, sheet, &watch)?);
+            let is_stated = robot.is_some() || chain != ChainEnds::default();
+            let page = match EstimatePage::of_file(&text)?.filter(|_| !is_stated) {
+                Some(page) => page,
+                None => {
+                    let (log, inputs) = LogSource { robot, chain, ..LogSource::default() }.again(&text, &[])?;
+                    EstimatePage::of_log(&estimate, &text.name, &log, inputs, &Watch::new(console))?
+                }
+            };
+            pages.push(page.write(&output, &estimate, sheet)?);
             continue;
         }
         if !folder.is_dir() {

@@ -47,6 +47,12 @@ pub(super) fn rows_of(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
     matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
 }
 
+/// The rows of a symmetric matrix by its lower triangle: a file, which has no other, reads back to the same bits.
+pub(super) fn symmetric_rows_of(mut matrix: DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix.fill_upper_triangle_with_lower_triangle();
+    rows_of(&matrix)
+}
+
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
 fn is_zero(std: &f64) -> bool {
     *std == 0.0
@@ -93,8 +99,8 @@ pub struct Estimate {
     /// Covariance of β̂, b rows of b.
     pub covariance: Vec<Vec<f64>>,
     /// The part of it that is of noise, b rows of b: what more motion averages out. Empty where all of it is, and of estimators that do not
-    /// tell them apart.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    /// tell them apart. A file has its rows up to the diagonal.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", with = "super::lower_triangle")]
     pub noise_covariance: Vec<Vec<f64>>,
     /// What one standard deviation of each declared quantity of the motors adds to β̂, b rows: torque constant and lag, motor by motor. It
     /// is part of the covariance, and the same error in every log of the arm. Empty where none is declared.

@@ -18,7 +18,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 use super::completion::complete;
 use super::declared::declared;
 use super::error::EstimationError;
-use super::estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate, rows_of};
+use super::estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate, rows_of, symmetric_rows_of};
 use super::expected_residual::ExpectedResidual;
 use super::factorisation::Factorisation;
 use super::finding::Finding;
@@ -168,7 +168,7 @@ impl Inference<'_> {
             robot: observation.robot.clone(),
             columns: observation.columns.to_string(),
             shape: observation.shape.clone(),
-            noise_covariance: if covariance == by_noise { Vec::new() } else { rows_of(&by_noise) },
+            noise_covariance: if covariance == by_noise { Vec::new() } else { symmetric_rows_of(by_noise) },
             covariance: rows_of(&covariance),
             motor_errors: motor_errors.as_ref().map(rows_of).unwrap_or_default(),
             consistent: completion.as_ref().map(|c| c.findings.is_empty()),

@@ -38,6 +38,7 @@ mod law;
 mod linear_fit;
 mod load_fit;
 mod load_friction;
+mod lower_triangle;
 mod model_fit;
 mod measured;
 mod motion;

@@ -20,7 +20,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::consistent_set::definite_inverse;
 use super::error::EstimationError;
-use super::estimate::{BaseEstimate, Estimate, IntervalBasis, rows_of};
+use super::estimate::{BaseEstimate, Estimate, IntervalBasis, rows_of, symmetric_rows_of};
 use super::finding::Finding;
 use crate::linalg::product;
 use crate::statistics::{chi_squared_quantile, student_quantile};
@@ -115,7 +115,7 @@ pub fn pool(estimates: &[&Estimate], together: Option<&Estimate>) -> Result<Pool
     let estimate = Estimate {
         findings,
         base: base.collect(),
-        noise_covariance: if noise == covariance { Vec::new() } else { rows_of(&noise) },
+        noise_covariance: if noise == covariance { Vec::new() } else { symmetric_rows_of(noise) },
         covariance: rows_of(&covariance),
         motor_errors: motors.filter(|of| of.ncols() > 0).as_ref().map(rows_of).unwrap_or_default(),
         servo: Vec::new(),

@@ -12,7 +12,7 @@ use super::origin::FileHash;
 use super::states::{self, RECORDED_BY};
 use super::topics::StateReading;
 use crate::error::Error;
-use crate::text::read_bytes;
+use crate::text::open;
 
 /// Reads the joint states of a bag.
 ///
@@ -53,8 +53,8 @@ pub(super) fn read(folder: &Path, reading: &StateReading<'_>) -> Result<Log, Err
     };
     files.sort_by_key(|path| (number(path), path.clone()));
     let parts = files.iter().map(|path| {
-        let bytes = read_bytes(path, &RECORDING_BYTES)?;
-        Ok((FileHash::of(path, &bytes), (reader.topics)(path, &bytes)?))
+        let mut source = open(path, &RECORDING_BYTES)?;
+        Ok((FileHash::of(path, &mut source)?, (reader.topics)(path, &mut source)?))
     });
     states::log(&name, parts.collect::<Result<_, Error>>()?, reading)
 }

@@ -1,5 +1,6 @@
 //! Kinds of files that hold logs: how each begins, what it is called, and what reads it. Everything else is a table of text.
 
+use std::io::Read;
 use std::path::Path;
 
 use armid::input::size::{RECORDING_BYTES, TEXT_BYTES};
@@ -7,10 +8,10 @@ use armid::input::size::{RECORDING_BYTES, TEXT_BYTES};
 use super::joint_log::Log;
 use super::origin::FileHash;
 use super::topics::{StateReading, Topics};
-use super::{gzip, lerobot, mcap, mcap_contents, npy, parquet_table, sqlite, states};
+use super::{gzip, lerobot, mcap, npy, parquet_table, sqlite, states};
 use crate::error::{Error, ErrorKind};
 use crate::table::LogTable;
-use crate::text::{Text, read_bytes};
+use crate::text::{Source, Text, read_bytes};
 
 /// A kind of file that holds logs.
 #[derive(Clone, Copy, Debug)]
@@ -38,9 +39,9 @@ pub(super) enum Reader {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StatesReader {
     /// Reads a file as a log of its own.
-    pub(super) log: fn(&Path, Vec<u8>, &StateReading<'_>) -> Result<Log, Error>,
+    pub(super) log: fn(&Path, &mut dyn Source, &StateReading<'_>) -> Result<Log, Error>,
     /// Reads its joint states by topic, as one of several files.
-    pub(super) topics: fn(&Path, &[u8]) -> Result<Topics, Error>,
+    pub(super) topics: fn(&Path, &mut dyn Source) -> Result<Topics, Error>,
 }
 
 impl LogFormat {
@@ -51,16 +52,13 @@ impl LogFormat {
             magic: ::mcap::MAGIC,
             suffixes: &[".mcap", ".mcap.part"],
             reader: Reader::States(StatesReader {
-                log: |path, bytes, reading| {
-                    let hash = FileHash::of(path, &bytes);
-                    let contents = mcap_contents::contents(&path.display().to_string(), &bytes)?;
-                    // What they hold takes as much memory again.
-                    drop(bytes);
-                    let mut log = mcap::log(path, contents, reading)?;
+                log: |path, source, reading| {
+                    let hash = FileHash::of(path, source)?;
+                    let mut log = mcap::log(path, source, reading)?;
                     log.origin.files = vec![hash];
                     Ok(log)
                 },
-                topics: |path, bytes| mcap::topics(&path.display().to_string(), bytes),
+                topics: |path, source| mcap::topics(&path.display().to_string(), source),
             }),
         },
         Self {
@@ -68,9 +66,9 @@ impl LogFormat {
             magic: sqlite::MAGIC,
             suffixes: &[".db3"],
             reader: Reader::States(StatesReader {
-                log: |path, bytes, reading| {
+                log: |path, source, reading| {
                     let name = path.display().to_string();
-                    states::log(&name, vec![(FileHash::of(path, &bytes), sqlite::topics(path)?)], reading)
+                    states::log(&name, vec![(FileHash::of(path, source)?, sqlite::topics(path)?)], reading)
                 },
                 topics: |path, _| sqlite::topics(path),
             }),
@@ -103,6 +101,18 @@ impl LogFormat {
         let magic: Vec<String> = format.magic.iter().map(|byte| format!("{byte:02X}")).collect();
         let message = format!("{} does not begin as {} does", path.display(), format.name);
         Err(Error::new(message).help(format!("expected the bytes {}", magic.join(" "))))
+    }
+
+    /// The kind of a file, which is left at its beginning.
+    ///
+    /// # Errors
+    /// As [`Self::of`], and where it cannot be read.
+    pub(super) fn of_source(path: &Path, source: &mut dyn Source) -> Result<Option<Self>, Error> {
+        let longest = Self::ALL.iter().map(|format| format.magic.len()).max().unwrap_or(0);
+        let mut beginning = Vec::new();
+        let read = Read::take(&mut *source, longest as u64).read_to_end(&mut beginning).and_then(|_| source.rewind());
+        read.map_err(|error| Error::unreadable(path, &error))?;
+        Self::of(path, &beginning)
     }
 
     /// The kinds with joint states.

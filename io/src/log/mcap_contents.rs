@@ -7,9 +7,11 @@ use ::mcap::records::Record;
 use armid_cdr::{FloatArray, JointState};
 
 use super::mcap_records::Records;
+use super::state_table::StateTable;
 use super::topics::{Message, Topics};
 use crate::error::Error;
 use crate::recording::{ENDING, LINKS, METADATA, STATES, VOLTAGE};
+use crate::text::Source;
 
 /// What a file holds.
 #[derive(Default)]
@@ -18,10 +20,11 @@ pub(super) struct Contents {
     pub(super) metadata: Option<BTreeMap<String, String>>,
     /// What was noted at the end; empty where the file is cut off.
     pub(super) ending: BTreeMap<String, String>,
-    /// Every joint state, in order.
-    pub(super) states: Vec<JointState>,
-    /// When each of them was recorded, ns.
-    recorded_ns: Vec<i64>,
+    /// The joint states of armid's own recording, unless they are asked for by topic.
+    pub(super) table: StateTable,
+    by_topic: bool,
+    /// Those that something else recorded, or that are asked for by topic, in order.
+    states: Vec<Message>,
     /// Time, ns, and motor voltages.
     pub(super) voltages: Vec<(u64, Vec<f64>)>,
     /// Time, ns, and positions behind the transmissions.
@@ -35,9 +38,7 @@ pub(super) struct Contents {
 impl Contents {
     /// The joint states by topic.
     pub(super) fn topics(&mut self) -> Topics {
-        let usual = std::mem::take(&mut self.states).into_iter().zip(std::mem::take(&mut self.recorded_ns));
-        let usual = usual.map(|(state, recorded_ns)| Message { recorded_ns, state }).collect();
-        let mut topics: Topics = vec![(STATES.to_owned(), usual)];
+        let mut topics: Topics = vec![(STATES.to_owned(), std::mem::take(&mut self.states))];
         for (topic, messages) in std::mem::take(&mut self.others).into_values() {
             match topics.iter_mut().find(|(known, _)| *known == topic) {
                 // Senders of one topic may have channels of their own.
@@ -50,6 +51,26 @@ impl Contents {
         }
         topics
     }
+
+    /// Takes what `armid run` noted at the beginning; another tool may have put it behind the messages.
+    fn take_metadata(&mut self, metadata: BTreeMap<String, String>) {
+        let joints = metadata.get("joints").and_then(|joints| serde_json::from_str(joints).ok());
+        self.table = StateTable::new(joints.unwrap_or_default());
+        self.metadata = Some(metadata);
+        if !self.by_topic {
+            std::mem::take(&mut self.states).iter().for_each(|message| self.table.add(&message.state));
+        }
+    }
+
+    /// Adds a message on the usual topic.
+    fn add(&mut self, state: JointState, recorded_ns: i64) {
+        if self.metadata.is_some() && !self.by_topic {
+            self.table.add(&state);
+            return;
+        }
+        let state = state.sharing_names(self.states.last().map(|last| &last.state));
+        self.states.push(Message { recorded_ns, state });
+    }
 }
 
 /// A time of a record, ns.
@@ -57,11 +78,11 @@ fn time_ns(time: u64) -> i64 {
     i64::try_from(time).unwrap_or(i64::MAX)
 }
 
-/// What the bytes of a file hold.
+/// What a file holds, with all joint states by topic where that is asked for.
 ///
 /// # Errors
-/// [`Error`] where they are no MCAP, are damaged, or a message is not what its channel says.
-pub(super) fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
+/// [`Error`] where it is no MCAP, is damaged, or a message is not what its channel says.
+pub(super) fn contents(name: &str, source: &mut dyn Source, by_topic: bool) -> Result<Contents, Error> {
     let fault = |error: &McapError| -> Error {
         let shown = Error::new(format!("{name} cannot be read as MCAP: {error}"));
         match error {
@@ -71,12 +92,12 @@ pub(super) fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
             _ => shown,
         }
     };
-    let mut contents = Contents::default();
+    let mut contents = Contents { by_topic, ..Contents::default() };
     let (mut channels, mut voltage, mut links) = (BTreeSet::new(), None, None);
     let (mut schema, mut arrays) = (None, None);
     // A chunk's checksum is checked at its end: where that fails it says more than the message that was damaged.
     let mut undecodable: Option<Error> = None;
-    for record in Records::new(bytes, true).map_err(|error| fault(&error))? {
+    for record in Records::new(source, true).map_err(|error| fault(&error))? {
         match record {
             Ok(Record::Schema { header, .. }) if header.name == JointState::NAME => schema = Some(header.id),
             Ok(Record::Schema { header, .. }) if header.name == FloatArray::NAME => arrays = Some(header.id),
@@ -111,12 +132,9 @@ pub(super) fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
                 }
             }
             Ok(Record::Message { header, data }) if channels.contains(&header.channel_id) => {
-                let number = contents.states.len() + 1;
+                let number = contents.table.stamps.len() + contents.states.len() + 1;
                 match JointState::decode(&data) {
-                    Ok(state) => {
-                        contents.states.push(state.sharing_names(contents.states.last()));
-                        contents.recorded_ns.push(time_ns(header.log_time));
-                    }
+                    Ok(state) => contents.add(state, time_ns(header.log_time)),
                     Err(error) => {
                         let message = format!("{name}: message {number} on {STATES}: {error}");
                         undecodable.get_or_insert_with(|| Error::new(message));
@@ -137,7 +155,7 @@ pub(super) fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
                     }
                 }
             }
-            Ok(Record::Metadata(found)) if found.name == METADATA => contents.metadata = Some(found.metadata),
+            Ok(Record::Metadata(found)) if found.name == METADATA => contents.take_metadata(found.metadata),
             Ok(Record::Metadata(found)) if found.name == ENDING => contents.ending = found.metadata,
             Ok(Record::Footer(_)) => contents.whole = true,
             Ok(_) => {}

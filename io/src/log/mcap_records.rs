@@ -3,6 +3,8 @@
 //! The reader of the `mcap` crate does not check two lengths: that of a record inside a chunk that is not compressed, which may
 //! claim more than the chunk, and one near 2⁶⁴. Both are looked at before it sees them.
 
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, McapResult, parse_record};
@@ -16,38 +18,52 @@ const UNPACKED_PER_BYTE: u64 = 1000;
 /// Bytes in front of every record: what it is, and its length.
 const FRAME: usize = 9;
 
-/// The records of a file, in order.
-pub(crate) struct Records<'a> {
-    rest: &'a [u8],
+/// The records of a file, in order. Of the file, what is longest in memory is one chunk.
+pub(crate) struct Records<R> {
+    source: BufReader<R>,
     reader: LinearReader,
-    /// Bytes of the file.
+    /// Bytes of the file, and those that are not read yet.
     length: u64,
+    rest: u64,
     /// Records that were read, and their bytes.
     read: (u64, u64),
 }
 
-impl<'a> Records<'a> {
-    /// The records in `bytes`, with or without the end of an MCAP file; `crcs` checks those of its chunks.
+impl<R: Read + Seek> Records<R> {
+    /// The records of a file, with or without the end of an MCAP file; `crcs` checks those of its chunks.
     ///
     /// # Errors
-    /// [`McapError`] where a record is longer than the chunk around it.
-    pub(crate) fn new(bytes: &'a [u8], crcs: bool) -> McapResult<Self> {
-        check_chunks(bytes)?;
+    /// [`McapError`] where a record is longer than the chunk around it, or the file cannot be read.
+    pub(crate) fn new(mut source: R, crcs: bool) -> McapResult<Self> {
+        let length = source.seek(SeekFrom::End(0))?;
+        source.rewind()?;
+        Frames { source: BufReader::new(&mut source), at: 0, length }.check_chunks()?;
+        source.rewind()?;
+        let longest = usize::try_from(length).unwrap_or(usize::MAX).saturating_add(LONGEST_RECORD);
         let options = LinearReaderOptions::default()
             .with_skip_end_magic(true)
             .with_validate_chunk_crcs(crcs)
-            .with_record_length_limit(bytes.len().saturating_add(LONGEST_RECORD));
+            .with_record_length_limit(longest);
         let reader = LinearReader::new_with_options(options);
-        Ok(Self { rest: bytes, reader, length: bytes.len() as u64, read: (0, 0) })
+        Ok(Self { source: BufReader::new(source), reader, length, rest: length, read: (0, 0) })
+    }
+
+    /// Gives the reader bytes of the file, no more than there are.
+    fn read_on(&mut self, wanted: usize) -> io::Result<()> {
+        let wanted = wanted.min(usize::try_from(self.rest).unwrap_or(usize::MAX));
+        self.source.read_exact(self.reader.insert(wanted))?;
+        self.reader.notify_read(wanted);
+        self.rest -= wanted as u64;
+        Ok(())
     }
 }
 
-impl Iterator for Records<'_> {
+impl<R: Read + Seek> Iterator for Records<R> {
     type Item = McapResult<Record<'static>>;
 
     fn next(&mut self) -> Option<Self::Item> {
         loop {
-            match self.reader.next_event()? {
+            let wanted = match self.reader.next_event()? {
                 Ok(LinearReadEvent::Record { opcode, data }) => {
                     self.read = (self.read.0 + 1, self.read.1 + (FRAME + data.len()) as u64);
                     if let Some(fault) = too_much(self.length, self.read) {
@@ -55,13 +71,11 @@ impl Iterator for Records<'_> {
                     }
                     return Some(parse_record(opcode, data).map(Record::into_owned));
                 }
-                Ok(LinearReadEvent::ReadRequest(wanted)) => {
-                    let (now, rest) = self.rest.split_at(wanted.min(self.rest.len()));
-                    self.reader.insert(now.len()).copy_from_slice(now);
-                    self.reader.notify_read(now.len());
-                    self.rest = rest;
-                }
+                Ok(LinearReadEvent::ReadRequest(wanted)) => wanted,
                 Err(error) => return Some(Err(error)),
+            };
+            if let Err(error) = self.read_on(wanted) {
+                return Some(Err(error.into()));
             }
         }
     }
@@ -83,49 +97,63 @@ fn too_much(length: u64, (records, unpacked): (u64, u64)) -> Option<McapError> {
     Some(McapError::DecompressionError(fault))
 }
 
-/// The number of so many little-endian bytes at `at`, if they are there.
-fn number(bytes: &[u8], at: usize, length: usize) -> Option<u64> {
-    let field = bytes.get(at..at.checked_add(length)?)?;
-    Some(field.iter().rev().fold(0, |number, &byte| (number << 8) | u64::from(byte)))
+/// A walk along the records of a file, by what each claims.
+struct Frames<R> {
+    source: R,
+    at: u64,
+    length: u64,
 }
 
-/// What a record is and where its content ends, as it claims.
-fn frame(bytes: &[u8], at: usize) -> Option<(u8, usize)> {
-    let length = usize::try_from(number(bytes, at.checked_add(1)?, 8)?).unwrap_or(usize::MAX);
-    Some((bytes[at], (at + FRAME).saturating_add(length)))
-}
-
-/// The records of a chunk that is not compressed, as far as it is there: where they begin and where they end.
-fn plain_records(bytes: &[u8], chunk: usize) -> Option<(usize, usize)> {
-    // Two times, uncompressed size and checksum, name of the compression, compressed size.
-    let name = chunk + FRAME + 28;
-    if number(bytes, name, 4)? != 0 {
-        return None;
-    }
-    let size = usize::try_from(number(bytes, name + 4, 8)?).unwrap_or(usize::MAX);
-    Some((name + 12, (name + 12).saturating_add(size)))
-}
-
-/// Every record of a chunk that is not compressed ends inside its chunk. What is cut off is left to the reader.
-fn check_chunks(bytes: &[u8]) -> McapResult<()> {
-    let mut at = mcap::MAGIC.len();
-    while let Some((opcode, end)) = frame(bytes, at) {
-        if opcode == op::CHUNK
-            && let Some((mut record, last)) = plain_records(bytes, at)
-        {
-            while record < last && record + FRAME <= bytes.len() {
-                let Some((_, next)) = frame(bytes, record).filter(|_| record + FRAME <= last) else {
-                    return Err(McapError::UnexpectedEoc);
-                };
-                if next > last {
-                    return Err(McapError::UnexpectedEoc);
-                }
-                record = next;
-            }
+impl<R: Read + Seek> Frames<BufReader<R>> {
+    /// So many bytes at a place, if they are there.
+    fn bytes<const N: usize>(&mut self, at: u64) -> McapResult<Option<[u8; N]>> {
+        if at.checked_add(N as u64).is_none_or(|end| end > self.length) {
+            return Ok(None);
         }
-        at = end;
+        let mut bytes = [0; N];
+        // Within the file, so no difference of places is beyond an i64.
+        self.source.seek_relative(at as i64 - self.at as i64)?;
+        self.source.read_exact(&mut bytes)?;
+        self.at = at + N as u64;
+        Ok(Some(bytes))
     }
-    Ok(())
+
+    /// What a record is and where its content ends, as it claims.
+    fn frame(&mut self, at: u64) -> McapResult<Option<(u8, u64)>> {
+        let Some([opcode, length @ ..]) = self.bytes::<FRAME>(at)? else { return Ok(None) };
+        Ok(Some((opcode, (at + FRAME as u64).saturating_add(u64::from_le_bytes(length)))))
+    }
+
+    /// The records of a chunk that is not compressed, as far as it is there: where they begin and where they end.
+    fn plain_records(&mut self, chunk: u64) -> McapResult<Option<(u64, u64)>> {
+        // Two times, uncompressed size and checksum, name of the compression, compressed size.
+        let name = chunk + FRAME as u64 + 28;
+        let (compression, size) = (self.bytes::<4>(name)?, self.bytes::<8>(name + 4)?);
+        Ok(match (compression, size) {
+            (Some([0, 0, 0, 0]), Some(size)) => Some((name + 12, (name + 12).saturating_add(u64::from_le_bytes(size)))),
+            _ => None,
+        })
+    }
+
+    /// Every record of a chunk that is not compressed ends inside its chunk. What is cut off is left to the reader.
+    fn check_chunks(mut self) -> McapResult<()> {
+        let mut at = mcap::MAGIC.len() as u64;
+        while let Some((opcode, end)) = self.frame(at)? {
+            if opcode == op::CHUNK
+                && let Some((mut record, last)) = self.plain_records(at)?
+            {
+                while record < last && record + FRAME as u64 <= self.length {
+                    let inside = self.frame(record)?.filter(|_| record + FRAME as u64 <= last);
+                    match inside {
+                        Some((_, next)) if next <= last => record = next,
+                        _ => return Err(McapError::UnexpectedEoc),
+                    }
+                }
+            }
+            at = end;
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]
@@ -175,16 +203,16 @@ mod tests {
             [(empty, 1 << 20, "records, expected at most one for each byte"), (long, 400, limits)]
         {
             let file = packed(std::iter::repeat_n(content, count));
-            let fault = Records::new(&file, true).unwrap().find_map(Result::err).unwrap().to_string();
+            let fault = Records::new(Cursor::new(&file), true).unwrap().find_map(Result::err).unwrap().to_string();
             assert!(fault.contains(words), "{} bytes: {fault}", file.len());
         }
         // Values that differ from record to record, and long records of zeros, are read.
         let numbers: Vec<[u8; 4]> = (0..50_000_u32).map(u32::to_le_bytes).collect();
         let is_private = |record: &McapResult<Record<'_>>| matches!(record, Ok(Record::Unknown { .. }));
         let numbered = packed(numbers.iter().map(<[u8; 4]>::as_slice));
-        assert_eq!(Records::new(&numbered, true).unwrap().filter(is_private).count(), numbers.len());
+        assert_eq!(Records::new(Cursor::new(&numbered), true).unwrap().filter(is_private).count(), numbers.len());
         let zeros = packed(std::iter::repeat_n(long, 60));
-        assert_eq!(Records::new(&zeros, true).unwrap().filter(is_private).count(), 60);
+        assert_eq!(Records::new(Cursor::new(&zeros), true).unwrap().filter(is_private).count(), 60);
     }
 
     #[test]
@@ -201,7 +229,7 @@ mod tests {
             let mut file = mcap::MAGIC.to_vec();
             file.push(op::METADATA);
             file.extend(claims.to_le_bytes());
-            let mut records = Records::new(&file, true).unwrap();
+            let mut records = Records::new(Cursor::new(&file), true).unwrap();
             assert!(matches!(records.next(), Some(Err(McapError::RecordTooLarge { .. }))), "{claims}");
         }
     }

@@ -1,16 +1,19 @@
 //! Where a log came from and what was done to it, so that it can be done again.
 
+use std::io;
 use std::path::Path;
 
 use armid::diagnosis::Mistake;
 use armid::model::Robot;
-use armid::provenance::sha256_of_bytes;
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 use super::channels::ChannelFault;
 use super::effort_scale::EffortScale;
 use super::mapping::{ColumnMap, Mapping, Quantity, corrected};
 use super::stamps::Timing;
+use crate::error::Error;
+use crate::text::Source;
 
 /// A file and what was in it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -22,9 +25,16 @@ pub struct FileHash {
 }
 
 impl FileHash {
-    /// That of a file with these bytes.
-    pub(super) fn of(path: &Path, bytes: &[u8]) -> Self {
-        Self { path: path.display().to_string(), sha256: sha256_of_bytes(bytes) }
+    /// That of a file, which is left at its beginning.
+    ///
+    /// # Errors
+    /// [`Error`] where it cannot be read.
+    pub(super) fn of(path: &Path, source: &mut dyn Source) -> Result<Self, Error> {
+        let mut hash = Sha256::new();
+        let read = source.rewind().and_then(|()| io::copy(source, &mut hash)).and_then(|_| source.rewind());
+        read.map_err(|error| Error::unreadable(path, &error))?;
+        let sha256 = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+        Ok(Self { path: path.display().to_string(), sha256 })
     }
 }
 

@@ -1,5 +1,6 @@
 //! Which reader a log is for.
 
+use std::io::Read;
 use std::path::Path;
 
 use armid::input::size::RECORDING_BYTES;
@@ -9,7 +10,7 @@ use super::log_format::{self, LogFormat, Reader};
 use super::topics::StateReading;
 use super::{bag, foreign_csv, lerobot};
 use crate::error::Error;
-use crate::text::read_bytes;
+use crate::text::open;
 
 impl Log {
     /// Reads a log: a folder as a data set of LeRobot or a bag, other files by their first bytes, or else as a table of text. An MCAP that
@@ -32,10 +33,12 @@ impl Log {
         if path.is_dir() {
             return bag::read(path, reading);
         }
-        let bytes = read_bytes(path, &RECORDING_BYTES)?;
-        if let Some(Reader::States(reader)) = LogFormat::of(path, &bytes)?.map(|format| format.reader) {
-            return (reader.log)(path, bytes, reading);
+        let mut source = open(path, &RECORDING_BYTES)?;
+        if let Some(Reader::States(reader)) = LogFormat::of_source(path, &mut source)?.map(|format| format.reader) {
+            return (reader.log)(path, &mut source, reading);
         }
+        let mut bytes = Vec::new();
+        source.read_to_end(&mut bytes).map_err(|error| Error::unreadable(path, &error))?;
         Self::of_table(path, bytes)
     }
 

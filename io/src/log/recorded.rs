@@ -7,18 +7,18 @@ use armid::input::size::{JOINTS, RATE_HZ};
 use armid::model::{EffortInterface, format::ChainEnds};
 use armid::provenance::Provenance;
 use armid::trajectory::PeriodicTrajectory;
-use armid_cdr::JointState;
+use armid_cdr::Time;
 
 use super::conversion::Conversion;
 use super::joint_log::{Log, RecordedRobot, Segment};
 use super::mcap_contents::Contents;
 use super::origin::Origin;
-use super::state_table::columns;
 use crate::error::Error;
 
 /// A recording that armid wrote.
-pub(super) fn log(name: &str, metadata: &BTreeMap<String, String>, contents: &Contents) -> Result<Log, Error> {
-    let states = contents.states.as_slice();
+pub(super) fn log(name: &str, contents: Contents) -> Result<Log, Error> {
+    let Contents { metadata, ending, table, voltages, links, .. } = contents;
+    let metadata = metadata.unwrap_or_default();
     let get = |key: &str| -> Result<&String, Error> {
         metadata.get(key).ok_or_else(|| Error::new(format!("{name}: metadata \"{key}\" is missing")))
     };
@@ -53,10 +53,11 @@ pub(super) fn log(name: &str, metadata: &BTreeMap<String, String>, contents: &Co
         nominal: metadata.get("nominal_file").cloned(),
         chain: ChainEnds { base: metadata.get("base_link").cloned(), tip: metadata.get("tip_link").cloned() },
     };
-    let (q, effort) = columns(name, &joints, states)?;
-    let samples = contents.states.as_slice();
-    let voltage = arrays(name, "motor voltages", dof, samples, &contents.voltages)?;
-    let link_q = arrays(name, "positions of links", dof, samples, &contents.links)?;
+    if let Some(fault) = table.fault {
+        return Err(Error::new(format!("{name}: {fault}")));
+    }
+    let voltage = arrays(name, "motor voltages", dof, &table.stamps, &voltages)?;
+    let link_q = arrays(name, "positions of links", dof, &table.stamps, &links)?;
     let recording = Recording {
         robot: get("robot")?.clone(),
         robot_text: robot.text.clone(),
@@ -67,15 +68,15 @@ pub(super) fn log(name: &str, metadata: &BTreeMap<String, String>, contents: &Co
         phases,
         trajectory,
         period_samples,
-        t: states.iter().map(|state| state.stamp.ns() as f64 / 1e9).collect(),
-        q,
-        effort,
+        t: table.stamps.iter().map(|stamp| stamp.ns() as f64 / 1e9).collect(),
+        q: table.q,
+        effort: table.effort,
         voltage,
         link_q,
         provenance,
     };
     recording.check().map_err(|fault| Error::new(format!("{name}: {fault}")))?;
-    let notes = metadata.iter().chain(&contents.ending).map(|(key, value)| (key.clone(), value.clone())).collect();
+    let notes = metadata.into_iter().chain(ending).collect();
     Ok(Log { notes, ..Log::of_recording(name, recording, Some(robot)) })
 }
 
@@ -108,22 +109,16 @@ impl Log {
 
 /// The values of every sample, or none. Each stands right behind its joint state, so that a cut may have taken the
 /// last one: the sample counts all the same, and its values are those of the sample before.
-fn arrays(
-    name: &str,
-    what: &str,
-    dof: usize,
-    states: &[JointState],
-    found: &[(u64, Vec<f64>)],
-) -> Result<Vec<f64>, Error> {
+fn arrays(name: &str, what: &str, dof: usize, stamps: &[Time], found: &[(u64, Vec<f64>)]) -> Result<Vec<f64>, Error> {
     if found.is_empty() {
         return Ok(Vec::new());
     }
-    let mut all = Vec::with_capacity(states.len() * dof);
+    let mut all = Vec::with_capacity(stamps.len() * dof);
     let mut rest = found.iter().peekable();
-    for (k, state) in states.iter().enumerate() {
-        match rest.next_if(|(time, _)| i128::from(*time) == i128::from(state.stamp.ns())) {
+    for (k, stamp) in stamps.iter().enumerate() {
+        match rest.next_if(|(time, _)| i128::from(*time) == i128::from(stamp.ns())) {
             Some((_, values)) if values.len() == dof => all.extend_from_slice(values),
-            None if k > 0 && k + 1 == states.len() => all.extend_from_within(all.len() - dof..),
+            None if k > 0 && k + 1 == stamps.len() => all.extend_from_within(all.len() - dof..),
             found => {
                 let found = found.map_or(0, |(_, values)| values.len());
                 let message = format!("{name}: sample {k} has {found} {what}, expected {dof}");

@@ -1,30 +1,48 @@
 //! Joint states as a table.
 
-use armid_cdr::JointState;
+use armid_cdr::{JointState, Time};
 
-use crate::error::Error;
+/// Positions and efforts in one order of joints, for any order in the messages.
+#[derive(Default)]
+pub(super) struct StateTable {
+    joints: Vec<String>,
+    /// When each message was sent, N.
+    pub(super) stamps: Vec<Time>,
+    /// Positions, N × n.
+    pub(super) q: Vec<f64>,
+    /// Efforts, N × n.
+    pub(super) effort: Vec<f64>,
+    /// What is wrong with the first message that lacks a joint.
+    pub(super) fault: Option<String>,
+}
 
-/// Positions and efforts in the order of `joints`, for any order in the messages.
-pub(super) fn columns(name: &str, joints: &[String], states: &[JointState]) -> Result<(Vec<f64>, Vec<f64>), Error> {
-    let mut q = Vec::with_capacity(states.len() * joints.len());
-    let mut effort = Vec::with_capacity(states.len() * joints.len());
-    for (k, state) in states.iter().enumerate() {
+impl StateTable {
+    /// A table without rows.
+    pub(super) fn new(joints: Vec<String>) -> Self {
+        Self { joints, ..Self::default() }
+    }
+
+    /// Adds a row; behind a message with a fault only its stamp.
+    pub(super) fn add(&mut self, state: &JointState) {
+        self.stamps.push(state.stamp);
+        if self.fault.is_some() {
+            return;
+        }
         let complete = state.position.len() == state.name.len() && state.effort.len() == state.name.len();
-        for joint in joints {
+        for joint in &self.joints {
             let at = state.name.iter().position(|found| found == joint);
             let (Some(at), true) = (at, complete) else {
-                let message = format!(
-                    "{name}: message {}: {} names, {} positions and {} efforts, expected one of each for joint \"{joint}\"",
-                    k + 1,
+                self.fault = Some(format!(
+                    "message {}: {} names, {} positions and {} efforts, expected one of each for joint \"{joint}\"",
+                    self.stamps.len(),
                     state.name.len(),
                     state.position.len(),
                     state.effort.len()
-                );
-                return Err(Error::new(message));
+                ));
+                return;
             };
-            q.push(state.position[at]);
-            effort.push(state.effort[at]);
+            self.q.push(state.position[at]);
+            self.effort.push(state.effort[at]);
         }
     }
-    Ok((q, effort))
 }

@@ -9,7 +9,7 @@ use mcap::records::Record;
 use super::{ENDING, METADATA};
 use crate::error::Error;
 use crate::log::Records;
-use crate::text::read_bytes;
+use crate::text::open;
 
 /// What armid noted in a recording.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,9 +33,9 @@ impl Notes {
     pub fn read(path: &Path) -> Result<Self, Error> {
         let name = path.display().to_string();
         let fault = |error: &dyn std::fmt::Display| Error::new(format!("{name} cannot be read as MCAP: {error}"));
-        let bytes = read_bytes(path, &RECORDING_BYTES)?;
+        let source = open(path, &RECORDING_BYTES)?;
         let mut notes = Self::default();
-        for record in Records::new(&bytes, false).map_err(|error| fault(&error))? {
+        for record in Records::new(source, false).map_err(|error| fault(&error))? {
             match record {
                 Ok(Record::Metadata(found)) if found.name == METADATA => notes.beginning = found.metadata,
                 Ok(Record::Metadata(found)) if found.name == ENDING => notes.ending = found.metadata,

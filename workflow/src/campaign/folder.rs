@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use armid::trajectory::PeriodicTrajectory;
 use armid_io::output::write_text;
-use armid_io::{Error, Text, experiment};
+use armid_io::{Error, Inputs, Text, experiment};
+use serde_json::Value as Json;
 use toml::Value;
 
 use super::settings::CampaignSettings;
@@ -102,6 +103,29 @@ impl Round {
         write_text(&path, &SetPoints::new(&planned.plan)?.text(PointFormat::Csv)?)?;
         Ok(path)
     }
+}
+
+/// What several logs were, as one, with what is not of the logs from the last.
+pub(super) fn joined(all: Vec<Inputs>, last: Inputs) -> Inputs {
+    let (logs, files): (Vec<_>, Vec<_>) = all.into_iter().map(|one| (one.logs, one.files)).unzip();
+    Inputs { logs: logs.concat(), files: files.concat(), ..last }
+}
+
+/// What an estimate was made from, as it stands in a file of a folder: paths within the folder begin there, so that it can be moved.
+pub(super) fn beginning_in(folder: &Path, mut inputs: Inputs) -> Inputs {
+    for path in inputs.logs.iter_mut().chain(inputs.files.iter_mut().map(|file| &mut file.path)) {
+        if let Ok(inside) = Path::new(path.as_str()).strip_prefix(folder) {
+            *path = inside.display().to_string();
+        }
+    }
+    inputs
+}
+
+/// What the file of an estimate says that it was made from, word for word.
+pub(super) fn stated_inputs(path: &Path) -> Result<Json, Error> {
+    let text = Text::read(path)?;
+    let mut value: Json = serde_json::from_str(&text.content).map_err(|error| Error::of_json(&text, &error))?;
+    Ok(value["inputs"].take())
 }
 
 /// The settings that a folder keeps; `None` of a folder without any.

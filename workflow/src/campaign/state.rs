@@ -10,6 +10,7 @@ use armid::observer::Observer;
 use armid::remedy::{Remedy, Setting};
 use armid::seed::Seed;
 use armid_io::estimate::{check_robot, read};
+use armid_io::inputs::RobotSource;
 use armid_io::output::{pretty, write_text};
 use armid_io::{Error, Inputs, LoadedRobot, ProcessedLog, Text, robot};
 use serde_json::json;
@@ -18,7 +19,7 @@ use toml::Value;
 use super::aim::Aim;
 use super::answer::{CampaignAnswer, RoundAnswer};
 use super::figure;
-use super::folder::{Round, SETTINGS, read_settings};
+use super::folder::{Round, SETTINGS, beginning_in, joined, read_settings, stated_inputs};
 use super::motion::Motion;
 use super::settings::CampaignSettings;
 use super::stopping::{Obstacle, Outcome, Width, chance_of_a_look, is_model_error_shown, is_out_of_reach, outcome};
@@ -198,12 +199,15 @@ impl Campaign {
         }
         let estimate = self.estimate(&log, observer)?;
         check_robot(&estimate, &name, &self.loaded)?;
-        let all = self.together(&log)?;
+        let (all, inputs_of_all) = self.together(&log, inputs)?;
         let together = self.estimate(&all, observer)?;
-        let mut value = json!(estimate);
-        value["inputs"] = json!(inputs);
-        write_text(&round.together(), &pretty(&json!(together)))?;
-        write_text(&round.estimate(), &pretty(&value))?;
+        let with_inputs = |estimate: &Estimate, inputs: Inputs| {
+            let mut value = json!(estimate);
+            value["inputs"] = json!(inputs);
+            pretty(&value)
+        };
+        write_text(&round.together(), &with_inputs(&together, beginning_in(&self.folder, inputs_of_all)))?;
+        write_text(&round.estimate(), &with_inputs(&estimate, beginning_in(&round.folder, inputs.clone())))?;
         self.logs.push(Some(log));
         self.add(round, estimate, &together)
     }
@@ -220,22 +224,31 @@ impl Campaign {
     }
 
     /// All logs so far that are sampled as the last one, as one without periods: what they say together of the laws that the model omits.
-    fn together(&mut self, last: &ProcessedLog) -> Result<ProcessedLog, Error> {
+    fn together(&mut self, last: &ProcessedLog, inputs: &Inputs) -> Result<(ProcessedLog, Inputs), Error> {
         let is_alike = |log: &ProcessedLog| {
             let (samples, of_last) = (&log.samples, &last.samples);
             samples.block == of_last.block && samples.rate_hz.to_bits() == of_last.rate_hz.to_bits()
         };
-        let mut alike = Vec::new();
+        let (mut alike, mut of_alike) = (Vec::new(), Vec::new());
         for (log, round) in self.logs.iter_mut().zip(&self.rounds) {
+            let file = Text::read(&round.estimate())?;
             if log.is_none() {
-                *log = Some(LogSource::default().again(&Text::read(&round.estimate())?, &[])?.0);
+                *log = Some(LogSource::default().again(&file, &[])?.0);
             }
-            alike.extend(log.clone().filter(is_alike));
+            if let Some(log) = log.clone().filter(is_alike) {
+                alike.push(log);
+                of_alike.extend(Inputs::of_estimate(&file)?);
+            }
         }
         alike.push(last.clone());
+        of_alike.push(inputs.clone());
         let mut all = ProcessedLog::join(alike)?;
         (all.samples.noise, all.samples.torque_covariance) = (None, None);
-        Ok(all)
+        // A recording holds its robot, and does not say what it was called.
+        let text = |key: &str| self.settings.experiment.get(key).and_then(Value::as_str).map(str::to_owned);
+        let [name, base_link, tip_link] = ["robot", "base_link", "tip_link"].map(text);
+        let robot = RobotSource { name, base_link, tip_link, sha256: inputs.robot.sha256.clone() };
+        Ok((all, joined(of_alike, Inputs { robot, ..inputs.clone() })))
     }
 
     fn outcome(&self) -> Outcome {
@@ -287,7 +300,12 @@ impl Campaign {
         };
         if let Some(pooled) = self.pooled.last() {
             let place = self.folder.join("estimate.json");
-            write_text(&place, &pretty(&json!(pooled.estimate)))?;
+            let mut value = json!(pooled.estimate);
+            if let Some(last) = self.rounds.last() {
+                // Paths begin in the folder, where this file is.
+                value["inputs"] = stated_inputs(&last.together())?;
+            }
+            write_text(&place, &pretty(&value))?;
             answer.estimate = Some(place);
         }
         if let Some(svg) = figure::svg(&answer)? {

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use super::advice::advice;
 use super::friction_speed::speeds_json;
 use super::verdict::Verdict;
+use crate::report::LogFigures;
 
 /// The estimates of one identification, and everything that is said of them. It serialises to the command's file: one object for one
 /// estimator, a list for several.
@@ -48,6 +49,8 @@ pub struct Identified {
     pub expressions: Vec<String>,
     /// What it is worth, and what to do about it.
     pub verdict: Verdict,
+    /// What its page shows of the log; none beside other estimates, and where an observer ended the work.
+    pub figures: Option<LogFigures>,
 }
 
 impl IdentifyAnswer {
@@ -61,7 +64,7 @@ impl IdentifyAnswer {
 
     /// The estimate's own keys; beside each finding's numbers its sentence and advice; what it was made from.
     fn json(&self, identified: &Identified) -> Value {
-        let Identified { estimate, used, held_out, expressions, verdict } = identified;
+        let Identified { estimate, used, held_out, expressions, verdict, figures } = identified;
         let mut json = serde_json::to_value(estimate).unwrap_or_default();
         if let Some(base) = json.get_mut("base").and_then(Value::as_array_mut) {
             for (value, expression) in base.iter_mut().zip(expressions) {
@@ -86,6 +89,10 @@ impl IdentifyAnswer {
         json["held_out"] = json!(held_out);
         json["logs"] = json!(self.log.reports);
         json["inputs"] = json!(self.inputs);
+        // A page also shows what the estimate was made from.
+        if let (Some(figures), Some(_)) = (figures, &self.inputs) {
+            json["figures"] = json!(figures);
+        }
         if let Some(transmissions) = &self.transmissions {
             json["transmissions"] = json!(transmissions);
         }

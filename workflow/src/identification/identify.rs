@@ -12,6 +12,7 @@ use armid_sim::closed_loop;
 use super::answer::{Identified, IdentifyAnswer};
 use super::verdict::{FileError, Verdict};
 use crate::counter::Latch;
+use crate::report::LogFigures;
 
 /// What errors call an estimate that is in no file.
 const NAME: &str = "the estimate";
@@ -104,11 +105,15 @@ pub fn identify(
     let (suspicions, files) =
         if ended { Default::default() } else { (log.suspicions(columns)?, FileError::all(&log, &latch)) };
     let interrupted = ended || latch.has_ended();
+    // What was ended has a page as well, which reads its log again; a list of estimates has none.
+    let has_page = estimates.len() == 1 && !interrupted;
     let identified = |estimate: Estimate| {
         let residual = log.residual(&estimate, NAME)?;
         let verdict = Verdict::new(&estimate, &residual, &log, &suspicions, &files);
+        // Where one cannot be drawn, the page says why.
+        let figures = if has_page { LogFigures::new(&estimate, NAME, &log, &residual).ok() } else { None };
         let LogResidual { used, held_out } = residual;
-        Ok(Identified { expressions: log.expressions(&estimate, NAME)?, verdict, estimate, used, held_out })
+        Ok(Identified { expressions: log.expressions(&estimate, NAME)?, verdict, estimate, used, held_out, figures })
     };
     let estimates = estimates.into_iter().map(identified).collect::<Result<Vec<_>, Error>>()?;
     let transmissions = estimates.first().map_or(Ok(None), |first| log.transmissions(&first.estimate, NAME))?;
