@@ -29,6 +29,7 @@ mod criterion_words;
 mod grid;
 mod measured_motion;
 mod metric;
+mod more_terms;
 mod motion_kind;
 mod outcome;
 mod own_methods;
