@@ -21,7 +21,7 @@ fn advice_on_a_urdf_names_what_it_assumed_and_its_experiment_runs() {
     let answer = json(&armid([&asked[..], &["--json"]].concat()).success());
 
     let candidates = answer["candidates"].as_array().expect("candidates");
-    assert_eq!(candidates.len(), 12, "six designs with two estimators");
+    assert_eq!(candidates.len(), 12, "six designs with two estimators: no term is for effects of direct drives");
     let median = |candidate: &serde_json::Value| candidate["error"]["median"].as_f64().expect("a median");
     assert!(candidates.windows(2).all(|pair| median(&pair[0]) <= median(&pair[1])), "the best comes first");
     let assumed: Vec<&str> = answer["assumptions"].as_array().unwrap().iter().filter_map(|one| one.as_str()).collect();
@@ -36,6 +36,24 @@ fn advice_on_a_urdf_names_what_it_assumed_and_its_experiment_runs() {
     armid(["run", &output.join("experiment.toml").display().to_string(), "--quiet", "-o", &log]).success();
     let other = asked.map(|word| if word == "direct" { "belt" } else { word });
     assert!(stderr(&armid(other).code(2)).contains("another"), "a folder with another study is refused");
+    let longer = |key: &str| answer["longer"][key].as_f64().expect("a number");
+    assert!(longer("floor") <= longer("median") && longer("median") <= median(&candidates[0]));
+
+    // A log with repeated periods gives noise, and sizes of what it was tested for.
+    let periodic = folder.path().join("log.mcap").display().to_string();
+    armid(["run", &output.join("experiment.toml").display().to_string(), "--quiet", "-o", &periodic]).success();
+    let stated = output.join("robot.toml").display().to_string();
+    let place = folder.path().join("again").display().to_string();
+    let asked = ["advise", &stated, "--drive", "belt", "--minutes", "0.5", "--arms", "1", "--log", &periodic];
+    let answer = json(&armid([&asked[..], &["--quiet", "-o", &place, "--json"]].concat()).success());
+    let taken: Vec<&str> = answer["from_log"].as_array().unwrap().iter().filter_map(|one| one.as_str()).collect();
+    assert!(
+        taken[0].starts_with("torque noise of ") && taken.iter().any(|one| one.starts_with("elasticity of ")),
+        "{taken:?}"
+    );
+    let candidates = answer["candidates"].as_array().expect("candidates");
+    assert_eq!(candidates.len(), 24, "with and without Stribeck friction");
+    assert!(candidates.iter().any(|of| of["columns"] == "rigid+rotor+friction+stribeck"));
     let own = write(folder.path(), "robot.toml", "# mine\n");
     let here = folder.path().display().to_string();
     assert!(stderr(&armid(["advise", &urdf, "-o", &here]).code(2)).contains("is there already"));

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use armid::model::DriveKind;
 use armid::model::format::ChainEnds;
 use armid::model::{Joint, JointKind};
 use armid::remedy::{Remedy, Setting, Task};
-use armid::study::{AdvicePlan, DriveKind, Purpose};
+use armid::study::{AdvicePlan, Purpose};
 
 use crate::error::Error;
 use crate::output::{make_folder, write_text};
@@ -114,7 +115,7 @@ fn experiment(loaded: &LoadedRobot) -> String {
 fn study() -> String {
     let robot = "robot.toml".to_owned();
     let (drive, purpose) = (DriveKind::Harmonic, Purpose::Torque);
-    AdvicePlan { robot, drive, purpose, periods: 5, rate_hz: 500.0, arms: 6, seed: 1 }.text()
+    AdvicePlan { robot, drive, purpose, periods: 5, rate_hz: 500.0, shown: Vec::new(), arms: 6, seed: 1 }.text()
 }
 
 fn log(loaded: &LoadedRobot) -> String {

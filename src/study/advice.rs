@@ -3,39 +3,31 @@
 use super::metric::Metric;
 use super::plan::StudyPlan;
 use crate::experiment::EffectKind;
+use crate::model::DriveKind;
 use crate::model::format::FormatError;
+use crate::model::term::{LOAD_FRICTION, STRIBECK, Term};
 
-/// What turns a joint: it says which effects an arm may have that its model omits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum DriveKind {
-    /// A strain wave gear.
-    Harmonic,
-    /// A planetary or spur gear.
-    Planetary,
-    /// A toothed belt.
-    Belt,
-    /// A motor without a gear.
-    Direct,
-    /// A hobby servo.
-    Servo,
+/// The effects that an arm with such drives may have and a model omit.
+pub const fn effects_of(drive: DriveKind) -> &'static [EffectKind] {
+    use EffectKind as E;
+    match drive {
+        DriveKind::Harmonic => &[E::LoadFriction, E::Elasticity, E::Hysteresis, E::TorqueRipple, E::Warming],
+        DriveKind::Planetary => &[E::LoadFriction, E::Backlash, E::Stribeck, E::Warming],
+        DriveKind::Belt => &[E::Elasticity, E::Hysteresis, E::Stribeck],
+        DriveKind::Direct => &[E::Cogging, E::TorqueRipple, E::TorqueConstant, E::CurrentLag],
+        DriveKind::Servo => &[E::LoadFriction, E::Backlash, E::Stribeck, E::CurrentLag],
+    }
 }
 
-crate::input::named! { DriveKind {
-    Harmonic: "harmonic", Planetary: "planetary", Belt: "belt", Direct: "direct", Servo: "servo"
-} }
+/// Columns that every candidate has.
+const COLUMNS: &str = "rigid+rotor+friction";
 
-impl DriveKind {
-    /// The effects that such a drive may have.
-    pub const fn effects(self) -> &'static [EffectKind] {
-        use EffectKind as E;
-        match self {
-            Self::Harmonic => &[E::LoadFriction, E::Elasticity, E::Hysteresis, E::TorqueRipple, E::Warming],
-            Self::Planetary => &[E::LoadFriction, E::Backlash, E::Stribeck, E::Warming],
-            Self::Belt => &[E::Elasticity, E::Hysteresis, E::Stribeck],
-            Self::Direct => &[E::Cogging, E::TorqueRipple, E::TorqueConstant, E::CurrentLag],
-            Self::Servo => &[E::LoadFriction, E::Backlash, E::Stribeck, E::CurrentLag],
-        }
+/// The term that a model can have for an effect.
+const fn term_of(effect: EffectKind) -> Option<Term> {
+    match effect {
+        EffectKind::LoadFriction => Some(LOAD_FRICTION),
+        EffectKind::Stribeck => Some(STRIBECK),
+        _ => None,
     }
 }
 
@@ -60,6 +52,16 @@ crate::input::named! { Purpose {
 } }
 
 impl Purpose {
+    /// The metric by which arms without effects show what noise does: torque on the same kind of motion, as the parameters give it.
+    pub const fn noise_metric(self) -> Metric {
+        match self {
+            Self::Torque | Self::Simulation => Metric::Prediction,
+            Self::PointToPoint => Metric::PointToPoint,
+            Self::Slow => Metric::Slow,
+            Self::Parameters => Metric::Reference,
+        }
+    }
+
     /// The metric that decides.
     pub const fn metric(self) -> Metric {
         match self {
@@ -92,6 +94,8 @@ pub struct AdvicePlan {
     pub periods: usize,
     /// Samples in a second.
     pub rate_hz: f64,
+    /// Effects whose sizes a log of the arm shows: it has them at every level of the others.
+    pub shown: Vec<(EffectKind, f64)>,
     /// Arms that are drawn around the nominal one.
     pub arms: usize,
     /// Every random number comes from it.
@@ -108,6 +112,9 @@ impl AdvicePlan {
         [("no effects", 0.0), ("quarter level", 0.25), ("realistic level", 1.0), ("double level", 2.0)];
     /// Estimators that are compared.
     pub const ESTIMATORS: [&'static str; 2] = ["wls", "irls-huber"];
+    /// What the arms with [`AdvicePlan::shown`] have at each level.
+    const WITH_SHOWN: [&'static str; 4] =
+        ["as in the log", "others at quarter level", "others at realistic level", "others at double level"];
     /// Designs that are compared: their name, criterion, and largest RMS speed as a share of the speed limits.
     pub const DESIGNS: [(&'static str, &'static str, f64); 6] = [
         ("measured-torque", "measured-torque", 1.0),
@@ -118,14 +125,54 @@ impl AdvicePlan {
         ("a-optimal", "a-optimal", 1.0),
     ];
 
+    /// The estimators that are compared, with the columns of the study and with terms for the effects of the arm.
+    pub fn estimators(&self) -> Vec<String> {
+        let kinds = effects_of(self.drive).iter().chain(self.shown.iter().map(|(kind, _)| kind));
+        let mut terms: Vec<Term> = kinds.filter_map(|&kind| term_of(kind)).collect();
+        terms.sort();
+        terms.dedup();
+        let more: String = terms.iter().map(|term| format!("+{}", term.entry().name)).collect();
+        let sets = [Some(String::new()), Some(more).filter(|more| !more.is_empty())].into_iter().flatten();
+        sets.flat_map(|more| Self::ESTIMATORS.map(|name| format!("{name}{more}"))).collect()
+    }
+
+    /// The columns of one of these estimators, and its name without them.
+    pub fn columns_of(estimator: &str) -> (String, &str) {
+        let (name, more) = estimator.split_at(estimator.find('+').unwrap_or(estimator.len()));
+        (format!("{COLUMNS}{more}"), name)
+    }
+
+    /// Names of the levels at which candidates are compared, and the effects of the arms there. Arms without effects come first where a
+    /// log shows some: they show what noise does, and no candidate is chosen by them.
+    pub fn levels(&self) -> Vec<(&'static str, Vec<(EffectKind, f64)>)> {
+        let is_shown = |kind: &EffectKind| self.shown.iter().any(|(shown, _)| shown == kind);
+        let with = |part: f64| {
+            let others = effects_of(self.drive).iter().filter(|kind| part > 0.0 && !is_shown(kind));
+            let others = others.map(|&kind| (kind, part * kind.entry().realistic));
+            self.shown.iter().copied().chain(others).collect()
+        };
+        let mut levels = Vec::new();
+        for ((name, part), with_shown) in Self::LEVELS.into_iter().zip(Self::WITH_SHOWN) {
+            if self.shown.is_empty() {
+                levels.push((name, with(part)));
+            } else {
+                if part == 0.0 {
+                    levels.push((name, Vec::new()));
+                }
+                levels.push((with_shown, with(part)));
+            }
+        }
+        levels
+    }
+
     /// The text of `study.toml`.
     pub fn text(&self) -> String {
-        let realistic = |part: f64| {
-            let effects = self.drive.effects().iter().map(move |kind| (kind, part * kind.entry().realistic));
-            effects.filter(move |_| part > 0.0).map(|(kind, size)| format!("{} = {size:?}", kind.entry().name))
+        let levels = self.levels();
+        let effect = |(kind, size): &(EffectKind, f64)| format!("{} = {size:?}", kind.name());
+        let set = |(_, effects): &(_, Vec<_>)| {
+            format!("    {{ {} }},", effects.iter().map(effect).collect::<Vec<_>>().join(", "))
         };
-        let sets =
-            Self::LEVELS.map(|(_, part)| format!("    {{ {} }},", realistic(part).collect::<Vec<_>>().join(", ")));
+        let sets: Vec<String> = levels.iter().map(set).collect();
         let designs = Self::DESIGNS.map(|(name, criterion, speed)| {
             let slower = if speed < 1.0 { format!("rms_speed = {speed:?}\n") } else { String::new() };
             format!(
@@ -140,7 +187,7 @@ impl AdvicePlan {
              # No effect, and the effects that such drives may have at three levels; the model has none of them.\n\
              conditions = [\n{sets}\n]\ncondition_names = [{names}]\n\n\
              [experiment]\nperiod_s = {period:?}\nharmonics = 5\nrate_hz = {rate:?}\nperiods = {periods}\ndiscarded_periods = {discarded}\n\n\
-             [identification]\ncolumns = \"rigid+rotor+friction\"\nderivatives = \"fourier\"\nsamples_per_period = 250\n\
+             [identification]\ncolumns = \"{COLUMNS}\"\nderivatives = \"fourier\"\nsamples_per_period = 250\n\
              estimators = [{estimators}]\n\n\
              [validation]\ntrajectories = 10\nsamples = 100\nmeasured = 3\nmeasured_on = \"{measured_on}\"\n\n\
              # Run k of every design is on arm k, with the signs and phases that effects have there.\n\
@@ -153,12 +200,12 @@ impl AdvicePlan {
             seed = self.seed,
             arms = self.arms,
             sets = sets.join("\n"),
-            names = quoted(Self::LEVELS.map(|(name, _)| name)),
+            names = quoted(levels.iter().map(|(name, _)| *name)),
             period = Self::PERIOD_S,
             rate = self.rate_hz,
             periods = self.periods,
             discarded = Self::DISCARDED_PERIODS,
-            estimators = quoted(Self::ESTIMATORS),
+            estimators = quoted(self.estimators().iter().map(String::as_str)),
             designs = designs.concat(),
         )
     }
@@ -172,8 +219,8 @@ impl AdvicePlan {
     }
 }
 
-fn quoted<const N: usize>(names: [&str; N]) -> String {
-    names.map(|name| format!("\"{name}\"")).join(", ")
+fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names.map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
@@ -190,6 +237,7 @@ mod tests {
                 purpose: Purpose::Slow,
                 periods: 6,
                 rate_hz: 500.0,
+                shown: Vec::new(),
                 arms: 4,
                 seed: 3,
             };
@@ -197,10 +245,15 @@ mod tests {
             assert_eq!((plan.effect_sets.len(), plan.designs.len()), (4, 6));
             assert_eq!(plan.effect_sets[0], Effects::none());
             for (set, (_, part)) in plan.effect_sets.iter().zip(AdvicePlan::LEVELS) {
-                for &kind in drive.effects() {
+                for &kind in effects_of(drive) {
                     assert_eq!(set.magnitude(kind), part * kind.entry().realistic);
                 }
             }
+            // What a log shows is in every arm but those that show what noise does, whatever the drive.
+            let shown = vec![(EffectKind::Elasticity, 1.5)];
+            let sets = AdvicePlan { shown, ..made }.plan().unwrap().effect_sets;
+            let sizes: Vec<f64> = sets.iter().map(|set| set.magnitude(EffectKind::Elasticity)).collect();
+            assert_eq!(sizes, [0.0, 1.5, 1.5, 1.5, 1.5], "{drive:?}");
         }
     }
 }

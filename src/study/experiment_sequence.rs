@@ -192,6 +192,7 @@ mod tests {
             degrees_of_freedom: 100.0,
             samples: 30,
             periods: 2,
+            effects: Vec::new(),
             findings: Vec::new(),
             termination: Termination::Direct,
             provenance: None,

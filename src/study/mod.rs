@@ -29,6 +29,7 @@ mod criterion_words;
 mod grid;
 mod measured_motion;
 mod metric;
+mod more_terms;
 mod motion_kind;
 mod outcome;
 mod own_methods;
@@ -69,7 +70,7 @@ mod variance_reduction;
 mod volume;
 
 pub use crate::model::ReferenceUnits;
-pub use advice::{AdvicePlan, DriveKind, Purpose};
+pub use advice::{AdvicePlan, Purpose, effects_of};
 pub use agreement::Agreement;
 pub use bound::{cramer_rao_std, torque_covariance};
 pub use comparison::Comparison;

@@ -1,7 +1,5 @@
 //! What a study does: robot, experiment, families of designs, estimators, metrics. The text of `study.toml`.
 
-use std::sync::Arc;
-
 use super::family_plan::{DesignMethod, FamilyPlan};
 use super::grid::GridPlan;
 use super::motion_kind::MotionKind;
@@ -9,7 +7,6 @@ use super::own_methods::OwnMethods;
 use super::plan_error::{StudyPlanError, family_name, name, number};
 use super::random_truth::RandomTruths;
 use super::variance_reduction::VarianceReduction;
-use crate::estimation::Estimator;
 use crate::experiment::{Effects, ExpectedEffectError};
 use crate::model::{Columns, DeclaredUncertainty, ReferenceUnits};
 use crate::seed::Seed;
@@ -102,7 +99,7 @@ pub struct IdentificationSettings {
     pub derivatives: String,
     /// Samples of the averaged period that the estimators see.
     pub samples_per_period: usize,
-    /// Names of estimators.
+    /// Names of estimators; `wls+stribeck` is `wls` with one more term than the columns.
     pub estimators: Vec<String>,
 }
 
@@ -146,7 +143,7 @@ impl StudyPlan {
         if self.identification.estimators.is_empty() {
             return Err(number("identification.estimators", "[]", "at least one name"));
         }
-        self.estimators(own)?;
+        self.planned_estimators(own)?;
         let counts = [
             ("runs", self.runs),
             ("experiment.harmonics", self.experiment.harmonics),
@@ -301,14 +298,6 @@ impl StudyPlan {
         let found = &self.identification.columns;
         let columns = Columns::parse_estimable(found);
         columns.map_err(|fault| StudyPlanError::Columns { found: found.clone(), fault })
-    }
-
-    /// The estimators that are compared: of those from outside, and of [`EstimatorKind`](crate::estimation::EstimatorKind).
-    ///
-    /// # Errors
-    /// [`StudyPlanError::Name`].
-    pub fn estimators(&self, own: &OwnMethods) -> Result<Vec<Arc<dyn Estimator>>, StudyPlanError> {
-        self.identification.estimators.iter().map(|found| own.estimator(found)).collect()
     }
 
     /// Sets the runs of each design, and scales those of families that have a number of their own.

@@ -16,6 +16,7 @@ use super::design::StudyDesign;
 use super::error::StudyError;
 use super::evidence::{DesignRow, Evidence, Findings};
 use super::measured_motion::MeasuredMotions;
+use super::more_terms::{MoreTerms, PlannedEstimator};
 use super::outcome::ScoredEstimate;
 use super::own_methods::OwnMethods;
 use super::performed::Performed;
@@ -32,11 +33,11 @@ use super::variance_reduction::VarianceReduction;
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::estimation::{
-    ClosedLoop, ClosedLoopError, ClosedLoopFactory, Estimate, EstimationError, EstimationProblem, Estimator,
-    Factorisation, Observation, closed_loop_of, observe,
+    ClosedLoop, ClosedLoopError, ClosedLoopFactory, Estimate, EstimationError, EstimationProblem, Factorisation,
+    Observation, closed_loop_of, observe,
 };
 use crate::experiment::{Arm, Ending, ExperimentPlan, record};
-use crate::model::{Robot, StandardParameters};
+use crate::model::{Columns, Robot, StandardParameters, distinct};
 use crate::observer::{Observer, Unobserved};
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::RunNoise;
@@ -67,7 +68,9 @@ pub struct StudySetup {
     truths: Vec<Truth>,
     /// The scorer, which holds the truth.
     pub scorer: Scorer,
-    estimators: Vec<Arc<dyn Estimator>>,
+    pub(super) estimators: Vec<PlannedEstimator>,
+    /// Columns beside those of the plan that estimators have.
+    pub(super) more: Vec<MoreTerms>,
     /// The methods from outside.
     pub own: OwnMethods,
     closed_loops: Option<ClosedLoopFactory>,
@@ -111,7 +114,19 @@ impl StudySetup {
         let base = reduce(&robot, columns, Method::Structural, plan.seed)?;
         let validation = ValidationMotions::draw(&robot, &nominal, &plan.experiment, &plan.validation, plan.seed)?;
         let truths = draw_truths(&plan, truth, &nominal)?;
-        let scorer = Scorer::new(&robot, &truths, &regressor, &base, &validation, &plan.reference);
+        let scorer =
+            |regressor: &_, base: &_| Scorer::new(&robot, &truths, regressor, base, &validation, &plan.reference);
+        let estimators = plan.planned_estimators(&own)?;
+        let more = distinct(estimators.iter().filter_map(|planned| planned.more)).into_iter().map(
+            |columns| -> Result<MoreTerms, StudyError> {
+                let regressor = JointTorqueRegressor::with_load(&robot, columns, &nominal);
+                let own = reduce(&robot, columns, Method::Structural, plan.seed)?;
+                let scorer = scorer(&regressor, &own);
+                Ok(MoreTerms::new(columns, (regressor, own, scorer), &base)?)
+            },
+        );
+        let more = more.collect::<Result<_, _>>()?;
+        let scorer = scorer(&regressor, &base);
         let processing = Processing {
             derivatives: plan.derivatives()?,
             samples_per_period: plan.identification.samples_per_period,
@@ -119,7 +134,8 @@ impl StudySetup {
         };
         Ok(Self {
             noise: torque_covariance(&robot),
-            estimators: plan.estimators(&own)?,
+            estimators,
+            more,
             own,
             closed_loops: None,
             plan,
@@ -225,10 +241,10 @@ impl StudySetup {
     /// # Errors
     /// [`RunError`] where one of them could not be recorded or processed.
     pub fn measured_motions(&self, performed: Vec<Performed>) -> Result<MeasuredMotions, RunError> {
-        let equations = |motion| {
+        let equations = |motion| -> Result<_, RunError> {
             let samples = self.processed(motion)?.samples;
-            Observation::new(&self.robot, &self.regressor, &self.base, &samples)
-                .map_err(|fault| RunError::estimator(&fault))
+            let observation = Observation::new(&self.robot, &self.regressor, &self.base, &samples);
+            Ok((observation.map_err(|fault| RunError::estimator(&fault))?, samples))
         };
         Ok(MeasuredMotions::new(performed.into_iter().map(equations).collect::<Result<_, _>>()?))
     }
@@ -248,18 +264,36 @@ impl StudySetup {
         measured: Option<&MeasuredMotions>,
         observer: &dyn Observer,
     ) -> Vec<ScoredEstimate> {
-        let scored = |(made, estimator): (Result<Estimate, RunError>, &Arc<dyn Estimator>)| match made {
-            Ok(estimate) => ScoredEstimate::new(&estimate, self.scorer.score(&estimate.beta(), truth, measured)),
-            Err(failure) => ScoredEstimate::failed(estimator.name(), failure),
+        let scored = |(made, planned): (Result<Estimate, RunError>, &PlannedEstimator)| match made {
+            Ok(estimate) => match self.more.iter().find(|more| planned.more == Some(more.columns)) {
+                Some(more) => more.scored(&planned.name, &estimate, (&self.robot, &self.scorer), (truth, measured)),
+                None => ScoredEstimate::new(&estimate, self.scorer.score(&estimate.beta(), truth, measured)),
+            },
+            Err(failure) => ScoredEstimate::failed(&planned.name, failure),
         };
         self.unscored(processed, observer).into_iter().zip(&self.estimators).map(scored).collect()
     }
 
     /// Every estimator of the plan on the same samples, or the reason why it gave nothing.
     pub(super) fn unscored(&self, processed: &Processed, observer: &dyn Observer) -> Vec<Result<Estimate, RunError>> {
+        let usual = [(None, &self.regressor, &self.base)].into_iter();
+        let sets = usual.chain(self.more.iter().map(|more| (Some(more.columns), &more.regressor, &more.base)));
+        let mut all: Vec<_> = sets.flat_map(|set| self.with_columns(set, processed, observer)).collect();
+        all.sort_by_key(|(place, _)| *place);
+        all.into_iter().map(|(_, made)| made.map_err(|fault| RunError::estimator(&fault))).collect()
+    }
+
+    /// The estimators of one set of columns, each with its place among all.
+    fn with_columns(
+        &self,
+        (more, regressor, base): (Option<Columns>, &JointTorqueRegressor, &BaseReduction),
+        processed: &Processed,
+        observer: &dyn Observer,
+    ) -> Vec<(usize, Result<Estimate, EstimationError>)> {
         let samples = &processed.samples;
+        let own: Vec<_> = self.estimators.iter().enumerate().filter(|(_, planned)| planned.more == more).collect();
         let all = || -> Result<Vec<_>, EstimationError> {
-            let observation = observe(&self.robot, &self.regressor, &self.base, samples)?;
+            let observation = observe(&self.robot, regressor, base, samples)?;
             let equations = Factorisation::new(&observation)?;
             let problem = EstimationProblem {
                 factorisation: Some(&equations),
@@ -270,10 +304,10 @@ impl StudySetup {
                 observer,
                 ..EstimationProblem::new(&observation)
             };
-            Ok(self.estimators.iter().map(|estimator| estimator.estimate(&problem)).collect())
+            Ok(own.iter().map(|(_, planned)| planned.estimator.estimate(&problem)).collect())
         };
-        let all = all().unwrap_or_else(|fault| vec![Err(fault); self.estimators.len()]);
-        all.into_iter().map(|made| made.map_err(|fault| RunError::estimator(&fault))).collect()
+        let all = all().unwrap_or_else(|fault| vec![Err(fault); own.len()]);
+        own.iter().map(|(place, _)| *place).zip(all).collect()
     }
 
     /// The results under each condition; `bounds` holds the Cramér–Rao standard deviations of each design.

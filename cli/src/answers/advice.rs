@@ -4,13 +4,15 @@ use std::fmt::Write;
 
 use armid::number::significant;
 use armid::statistics::Spread;
-use armid::study::Purpose;
+use armid::study::{AdvicePlan, Purpose};
 use armid_workflow::advice::{AdviceAnswer, Candidate};
 
 use crate::terminal::Table;
 
 /// Parameters that are named one by one.
 const NAMED: usize = 12;
+/// Candidates in the table.
+const SHOWN: usize = 12;
 
 /// The answer on one screen.
 pub(crate) fn advice_text(answer: &AdviceAnswer) -> String {
@@ -24,6 +26,10 @@ pub(crate) fn advice_text(answer: &AdviceAnswer) -> String {
         best.estimator,
         spread(&best.error, unit)
     );
+    if let Some(longer) = &answer.longer {
+        let [then, floor] = [longer.median, longer.floor].map(|value| significant(value, 3));
+        let _ = writeln!(text, "  an hour more would give: {then} {unit}; no time takes away {floor} {unit}");
+    }
     let shown = answer.parameters - answer.poorly_determined.len();
     let _ = writeln!(
         text,
@@ -54,6 +60,12 @@ pub(crate) fn advice_text(answer: &AdviceAnswer) -> String {
         answer.drive.name()
     );
     text.push_str(&table(answer).render(2));
+    if answer.candidates.len() > SHOWN {
+        let _ = writeln!(text, "  and {} that are worse", answer.candidates.len() - SHOWN);
+    }
+    for taken in &answer.from_log {
+        let _ = writeln!(text, "  from the log: {taken}");
+    }
     for assumption in &answer.assumptions {
         let _ = writeln!(text, "  assumed: {assumption}");
     }
@@ -64,6 +76,9 @@ pub(crate) fn advice_text(answer: &AdviceAnswer) -> String {
         let _ = writeln!(text, "page: {}", report.display());
     }
     let _ = writeln!(text, "next: armid run {} -o log.mcap", answer.experiment.display());
+    let estimator = AdvicePlan::columns_of(&best.estimator).1;
+    let _ =
+        writeln!(text, "      armid identify log.mcap --estimator {estimator} --columns {} -o E.json", best.columns);
     text
 }
 
@@ -75,7 +90,7 @@ fn table(answer: &AdviceAnswer) -> Table {
         let _ = write!(headings, " | #{level}");
     }
     let mut table = Table::of(&headings);
-    for candidate in &answer.candidates {
+    for candidate in answer.candidates.iter().take(SHOWN) {
         table.row(row(candidate, levels));
     }
     table

@@ -36,7 +36,7 @@ pub(crate) struct LogArguments {
     #[arg(long)]
     robot: Option<String>,
     #[command(flatten)]
-    chain: ChainArguments,
+    pub(crate) chain: ChainArguments,
     /// Whether terms are chosen from what the logs show.
     #[arg(skip)]
     selects: bool,

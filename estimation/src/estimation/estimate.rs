@@ -79,6 +79,19 @@ pub enum IntervalBasis {
     Discrepancy,
 }
 
+/// How large an effect may be of which a log shows something, or shows that there is little.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EffectSize {
+    /// Name of the effect.
+    pub effect: String,
+    /// RMS of its size over the drives, with what noise leaves open.
+    pub size: f64,
+    /// Unit of the size; empty for a share.
+    pub unit: String,
+    /// Whether the log supports it ([`Finding::EffectShown`]).
+    pub shown: bool,
+}
+
 /// Base parameters with their uncertainty, and how well the model explains the torque. Serialises to the keys of the
 /// `identify` command.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -137,6 +150,9 @@ pub struct Estimate {
     pub samples: usize,
     /// Periods that were averaged.
     pub periods: usize,
+    /// Effects that the model omits and the log was tested for; empty where none was.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<EffectSize>,
     /// Findings about the estimate, each with advice.
     pub findings: Vec<Finding>,
     /// How the estimator ended.

@@ -188,6 +188,7 @@ impl Inference<'_> {
             samples: observation.samples(),
             periods: observation.periods,
             base,
+            effects: equations.omitted.as_ref().map_or_else(Vec::new, |omitted| omitted.sizes.clone()),
             findings,
             termination: self.termination,
             provenance: observation.provenance.clone(),

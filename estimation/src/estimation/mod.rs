@@ -77,7 +77,7 @@ pub use comparison::{ComparedParameter, Comparison, compare};
 pub use completion::{Completion, complete};
 pub use drive_gains::{DriveGain, DriveGains, GainMethod, drive_gains, gain_equations, gain_slopes};
 pub use error::{EstimationError, ExternalError};
-pub use estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate};
+pub use estimate::{BaseEstimate, EffectSize, Estimate, IntervalBasis, StandardEstimate};
 pub use estimator::Estimator;
 pub use factorisation::{Factorisation, FactorisedBy};
 pub use finding::{Finding, MisfitPart};

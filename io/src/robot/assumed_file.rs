@@ -34,18 +34,41 @@ pub struct AssumedFile {
     pub text: String,
     /// A sentence for each assumption.
     pub assumptions: Vec<String>,
+    /// Files that belong beside it: their names and texts.
+    pub beside: Vec<(&'static str, String)>,
 }
 
 /// The robot file at `place` of a robot over a URDF, with noise, encoder steps, friction and rotor inertias assumed where they are
-/// not stated; `None` where noise and encoders are stated. `ends` choose the chain of a URDF.
+/// not stated; `None` where noise and encoders are stated. `ends` choose the chain of a URDF. Noise of each joint's torque (n, N·m or N) that
+/// was measured takes the place of what is stated or assumed.
 ///
 /// # Errors
 /// [`Error`] where the robot cannot be read, has no URDF to which something could be added, or a joint has no limits.
-pub fn assume(name: &str, ends: &ChainEnds, place: &Path) -> Result<Option<AssumedFile>, Error> {
+pub fn assume(name: &str, ends: &ChainEnds, place: &Path, noise: Option<&[f64]>) -> Result<Option<AssumedFile>, Error> {
     let loaded = load(name, ends, None)?;
-    let is_stated =
-        |joint: &armid::model::Joint| joint.drive.current_noise > 0.0 && joint.drive.counts_per_revolution > 0.0;
-    let Some(lacking) = loaded.robot.joints().iter().find(|joint| !is_stated(joint)) else { return Ok(None) };
+    let is_stated = |joint: &armid::model::Joint| {
+        (noise.is_some() || joint.drive.current_noise > 0.0) && joint.drive.counts_per_revolution > 0.0
+    };
+    let lacking = loaded.robot.joints().iter().find(|joint| !is_stated(joint));
+    let Some(lacking) = lacking else {
+        let Some(noise) = noise.filter(|noise| noise.len() == loaded.robot.dof()) else { return Ok(None) };
+        let mut table = if loaded.urdf.is_some() {
+            table(name, ends, place)?
+        } else {
+            loaded.text.content.parse::<Table>().map_err(|_| {
+                Error::new(format!("{name} is no robot file, expected one in which noise can be stated"))
+            })?
+        };
+        state_noise(&mut table, &loaded, noise)?;
+        let text = toml::to_string(&table).map_err(Error::new)?;
+        let nominal = loaded.nominal_text.as_ref().map(|text| ("nominal.toml", text.content.to_string()));
+        let truth = loaded.truth_file()?.map(|text| ("truth.toml", text.content.to_string()));
+        return Ok(Some(AssumedFile {
+            text: format!("# The noise is that of an earlier log.\n\n{text}"),
+            assumptions: Vec::new(),
+            beside: nominal.into_iter().chain(truth).collect(),
+        }));
+    };
     if loaded.urdf.is_none() || loaded.nominal.is_some() {
         let message = format!(
             "joint \"{}\" of {name} has no current_noise_a or no encoder counts, expected both: without noise no design is better",
@@ -55,11 +78,14 @@ pub fn assume(name: &str, ends: &ChainEnds, place: &Path) -> Result<Option<Assum
     }
     let mut table = table(name, ends, place)?;
     let mut assumptions = Assumptions::default();
+    if let Some(noise) = noise {
+        state_noise(&mut table, &loaded, noise)?;
+    }
     fill(&mut table, &loaded, &mut assumptions)?;
     let sentences = assumptions.sentences();
     let heading: String = sentences.iter().map(|sentence| format!("# Assumed: {sentence}.\n")).collect();
     let text = toml::to_string(&table).map_err(Error::new)?;
-    Ok(Some(AssumedFile { text: format!("{heading}\n{text}"), assumptions: sentences }))
+    Ok(Some(AssumedFile { text: format!("{heading}\n{text}"), assumptions: sentences, beside: Vec::new() }))
 }
 
 /// The robot file as a table whose paths begin at the folder of `place`.
@@ -101,9 +127,28 @@ impl Assumptions {
     }
 }
 
+/// States the noise of each joint's torque.
+fn state_noise(table: &mut Table, loaded: &LoadedRobot, noise: &[f64]) -> Result<(), Error> {
+    for (joint, noise) in loaded.robot.joints().iter().zip(noise) {
+        let drive = inner(joint_table(table, &joint.name)?, "drive");
+        drive.insert("current_noise_a".to_owned(), rounded(noise / joint.drive.torque_per_ampere()));
+    }
+    Ok(())
+}
+
+/// The table of a joint, which is made where it is not there.
+fn joint_table<'a>(table: &'a mut Table, name: &str) -> Result<&'a mut Table, Error> {
+    let fault = || Error::new("found joint, expected [[joint]] tables");
+    let joints = table.entry("joint").or_insert_with(|| Value::Array(Vec::new())).as_array_mut().ok_or_else(fault)?;
+    let is_of = |table: &Value| table.get("name").and_then(Value::as_str) == Some(name);
+    let at = joints.iter().position(is_of).unwrap_or_else(|| {
+        joints.push(Value::Table(Table::from_iter([("name".to_owned(), Value::from(name))])));
+        joints.len() - 1
+    });
+    joints[at].as_table_mut().ok_or_else(fault)
+}
+
 fn fill(table: &mut Table, loaded: &LoadedRobot, made: &mut Assumptions) -> Result<(), Error> {
-    let joints = table.entry("joint").or_insert_with(|| Value::Array(Vec::new()));
-    let Value::Array(joints) = joints else { return Err(Error::new("found joint, expected [[joint]] tables")) };
     let own = loaded.guess();
     for (index, joint) in loaded.robot.joints().iter().enumerate() {
         let (torque, speed) = (joint.limits.torque, joint.limits.velocity);
@@ -113,12 +158,7 @@ fn fill(table: &mut Table, loaded: &LoadedRobot, made: &mut Assumptions) -> Resu
             let help = Remedy::task(Task::Robot, "arm.urdf").option(Setting::Output, "robot.toml");
             return Err(Error::new(message).help(help.say(" begins a robot file with its gaps marked")));
         }
-        let is_of = |table: &Value| table.get("name").and_then(Value::as_str) == Some(joint.name.as_str());
-        let at = joints.iter().position(is_of).unwrap_or_else(|| {
-            joints.push(Value::Table(Table::from_iter([("name".to_owned(), Value::from(joint.name.as_str()))])));
-            joints.len() - 1
-        });
-        let Value::Table(entry) = &mut joints[at] else { continue };
+        let entry = joint_table(table, &joint.name)?;
         let revolute = joint.kind == JointKind::Revolute;
         let by = |revolute_key: &'static str, prismatic_key: &'static str| {
             if revolute { revolute_key } else { prismatic_key }
@@ -129,7 +169,7 @@ fn fill(table: &mut Table, loaded: &LoadedRobot, made: &mut Assumptions) -> Resu
             drive.insert(by("counts_per_revolution", "counts_per_m").to_owned(), counts.round().into());
             made.encoders = true;
         }
-        if joint.drive.current_noise <= 0.0 {
+        if joint.drive.current_noise <= 0.0 && !drive.contains_key("current_noise_a") {
             drive.insert("current_noise_a".to_owned(), rounded(NOISE * torque / joint.drive.torque_per_ampere()));
             made.noise = true;
         }

@@ -75,33 +75,36 @@ impl LoadedRobot {
     /// # Errors
     /// [`Error`] where nothing says it, or what does cannot be read.
     pub fn truth(&self) -> Result<Truth, Error> {
-        let text = match (&self.truth, &self.own) {
-            (TruthSource::Own, Some(own)) => return Ok(Truth::without_effects(own.clone())),
-            (TruthSource::Bundled(name), _) => {
-                let text = truth_text(name).unwrap_or_default();
-                Text::new(format!("models/{name}/truth.toml"), text)
-            }
-            (TruthSource::Folder(folder), own) => {
-                let path = folder.join("truth.toml");
-                if !path.is_file() {
-                    // What the URDF and the file itself state.
-                    if let Some(own) = own {
-                        return Ok(Truth::without_effects(own.clone()));
-                    }
+        let Some(text) = self.truth_file()? else {
+            return match (&self.own, &self.truth) {
+                // What the URDF and the file itself state.
+                (Some(own), _) => Ok(Truth::without_effects(own.clone())),
+                (None, TruthSource::Folder(folder)) => {
+                    let path = folder.join("truth.toml");
                     let message = format!("{} not found: a simulated arm is made of its parameters", path.display());
                     let help = Remedy::task(Task::Export, "E.json").option(Setting::To, "toml");
                     let help = help.option(Setting::Output, "truth.toml");
                     let help = help.say(" makes one of an estimate; a robot file over a URDF has its inertias");
-                    return Err(Error::unknown(message).help(help));
+                    Err(Error::unknown(message).help(help))
                 }
-                Text::read(&path)?
-            }
-            (TruthSource::Own, None) => {
-                let message = format!("\"{}\" has no inertias to simulate with", self.robot.name());
-                return Err(Error::new(message));
-            }
+                (None, _) => Err(Error::new(format!("\"{}\" has no inertias to simulate with", self.robot.name()))),
+            };
         };
         Truth::from_toml(&text.content, &self.robot).map_err(|error| Error::of_format(&text, &error))
+    }
+
+    /// The file of those parameters, where there is one.
+    pub(super) fn truth_file(&self) -> Result<Option<Text>, Error> {
+        match &self.truth {
+            TruthSource::Bundled(name) => {
+                Ok(Some(Text::new(format!("models/{name}/truth.toml"), truth_text(name).unwrap_or_default())))
+            }
+            TruthSource::Folder(folder) => {
+                let path = folder.join("truth.toml");
+                path.is_file().then(|| Text::read(&path)).transpose()
+            }
+            TruthSource::Own => Ok(None),
+        }
     }
 
     /// Gives the robot the collision shapes of its URDF, so that clearances are held against them: boxes, balls and capsules as

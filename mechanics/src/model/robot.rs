@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::declared_uncertainty::DeclaredUncertainty;
 use super::drive::Drive;
+use super::drive_kind::DriveKind;
 use super::joint::Joint;
 use super::point::NamedPoint;
 use super::robot_error::{RobotError, check_joint, check_points, check_servo, check_surroundings};
@@ -48,6 +49,9 @@ pub struct RobotSpec {
     /// What is uncertain about it and leaves no trace in a recording.
     #[serde(default, skip_serializing_if = "DeclaredUncertainty::is_none")]
     pub uncertainty: DeclaredUncertainty,
+    /// What turns its joints, where anything states it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drives: Option<DriveKind>,
     /// SHA-256 of the text that it was read from; empty for a robot that was made otherwise.
     pub source_sha256: String,
 }
@@ -172,6 +176,11 @@ impl Robot {
     /// What is uncertain about it and leaves no trace in a recording.
     pub fn uncertainty(&self) -> &DeclaredUncertainty {
         &self.spec.uncertainty
+    }
+
+    /// What turns its joints, where anything states it.
+    pub const fn drive_kind(&self) -> Option<DriveKind> {
+        self.spec.drives
     }
 
     /// Returns this robot with this declared uncertainty.

@@ -4,20 +4,24 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use armid::excitation::Termination;
+use armid::model::DriveKind;
 use armid::observer::Observer;
 use armid::remedy::{Remedy, Setting};
 use armid::statistics::{Interval, Spread, mean, t_interval};
-use armid::study::{AdvicePlan, StudyDesign, StudyPlans, StudyResult};
+use armid::study::{AdvicePlan, Purpose, StudyDesign, StudyPlans, StudyResult};
 use armid_io::output::write_text;
 use armid_io::study::{RunValue, run_values};
 use armid_io::{Error, Text, robot};
 
-use super::answer::{AdviceAnswer, Candidate};
+use super::answer::{AdviceAnswer, Candidate, Longer};
 use super::settings::AdviceSettings;
 use crate::study::{StudyAnswer, StudySettings, perform};
 
 /// Rate that an experiment is sampled at, at most, Hz.
 const MOST_RATE_HZ: f64 = 500.0;
+
+/// What more time is looked at, min.
+const MORE_MINUTES: f64 = 60.0;
 
 /// Performs the study, and finds the best candidate. The folder of the settings gets the study with its page, the motion, and an
 /// experiment to run; and the robot file that it is for, where something had to be assumed. `None` where the observer ended it.
@@ -28,14 +32,19 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
     let folder = settings.output.as_path();
     check_free(folder)?;
     let place = folder.join("robot.toml");
-    let assumed = robot::assume(&settings.robot, &settings.ends, &place)?;
+    let noise = settings.log.as_ref().and_then(|log| log.noise.as_deref());
+    let assumed = robot::assume(&settings.robot, &settings.ends, &place, noise)?;
     let mut assumptions = Vec::new();
     let named = match assumed {
         Some(file) => {
-            if Text::read(&place).is_ok_and(|there| *there.content != *file.text) {
-                return Err(taken(&place));
+            let own = [("robot.toml", file.text)];
+            for (name, text) in own.into_iter().chain(file.beside) {
+                let place = folder.join(name);
+                if Text::read(&place).is_ok_and(|there| *there.content != *text) {
+                    return Err(taken(&place));
+                }
+                write_text(&place, &text)?;
             }
-            write_text(&place, &file.text)?;
             assumptions = file.assumptions;
             "robot.toml".to_owned()
         }
@@ -47,12 +56,17 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
     };
     let loaded = robot::load(&named, &settings.ends, Some(folder))?;
     let servo_hz = loaded.robot.servo().rate_hz;
+    let drive = settings.drive.or(loaded.robot.drive_kind()).unwrap_or_else(|| {
+        assumptions.push("harmonic drives, since the robot file does not state `drives`".to_owned());
+        DriveKind::Harmonic
+    });
     let made = AdvicePlan {
         robot: named.clone(),
-        drive: settings.drive,
+        drive,
         purpose: settings.purpose,
         periods: settings.periods(),
         rate_hz: servo_hz / (servo_hz / MOST_RATE_HZ).ceil(),
+        shown: settings.log.as_ref().map_or_else(Vec::new, |log| log.shown(drive)),
         arms: settings.arms,
         seed: settings.seed,
     };
@@ -67,7 +81,7 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
     let StudyAnswer::Whole(summary) = perform(&StudyPlans::One(Box::new(plan)), &study, observer)? else {
         return Ok(None);
     };
-    let candidates = candidates(folder, &summary.result, settings)?;
+    let candidates = candidates(folder, &summary.result, settings, !made.shown.is_empty())?;
     let Some(best) = candidates.first() else {
         return Err(Error::new(format!(
             "all {} runs of the study failed, expected one estimate at least",
@@ -99,7 +113,9 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
     )?;
     Ok(Some(AdviceAnswer {
         robot: loaded.robot.name().to_owned(),
-        drive: settings.drive,
+        drive,
+        from_log: settings.log.as_ref().map_or_else(Vec::new, |log| log.sentences(drive)),
+        longer: longer(folder, best, settings.purpose, &made)?,
         purpose: settings.purpose,
         duration_s: AdvicePlan::PERIOD_S * made.periods as f64,
         poorly_determined: poorly_determined(&summary.result, best),
@@ -117,7 +133,8 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
 
 /// Nothing of another kind is written over.
 fn check_free(folder: &Path) -> Result<(), Error> {
-    let places = ["robot.toml", "trajectory.toml", "experiment.toml"].map(|name| folder.join(name));
+    let places = ["robot.toml", "nominal.toml", "truth.toml", "trajectory.toml", "experiment.toml"]
+        .map(|name| folder.join(name));
     match places.iter().find(|place| place.exists()) {
         Some(place) if !folder.join("study.toml").exists() => Err(taken(place)),
         _ => Ok(()),
@@ -130,9 +147,16 @@ fn taken(place: &Path) -> Error {
     Error::new(message).help(Remedy::default().setting(Setting::Output).say(" chooses another folder"))
 }
 
-/// Every design with every estimator, by the runs that are stored in a folder.
-fn candidates(folder: &Path, result: &StudyResult, settings: &AdviceSettings) -> Result<Vec<Candidate>, Error> {
-    let values = run_values(folder, settings.purpose.metric())?;
+/// Every design with every estimator, by the runs that are stored in a folder; without those of arms without effects, where a log shows
+/// that this arm is none.
+fn candidates(
+    folder: &Path,
+    result: &StudyResult,
+    settings: &AdviceSettings,
+    has_effects: bool,
+) -> Result<Vec<Candidate>, Error> {
+    let mut values = run_values(folder, settings.purpose.metric())?;
+    values.retain(|run| !(has_effects && run.condition == AdvicePlan::LEVELS[0].0));
     let mut all: Vec<(Candidate, BTreeMap<usize, f64>)> = Vec::new();
     for design in &result.plan.designs {
         for estimator in &result.plan.identification.estimators {
@@ -144,8 +168,9 @@ fn candidates(folder: &Path, result: &StudyResult, settings: &AdviceSettings) ->
             let Some(error) = Spread::new(&of(None)) else { continue };
             let levels = result.conditions.iter().map(|condition| &condition.condition.name);
             let by_level = levels.filter_map(|name| Some((name.clone(), Spread::new(&of(Some(name)))?))).collect();
-            let (design, estimator) = (design.name.clone(), estimator.clone());
-            all.push((Candidate { design, estimator, error, over_best: None, by_level }, by_arm(own())));
+            let (design, columns) = (design.name.clone(), AdvicePlan::columns_of(estimator).0);
+            let estimator = estimator.clone();
+            all.push((Candidate { design, estimator, columns, error, over_best: None, by_level }, by_arm(own())));
         }
     }
     all.sort_by(|(a, _), (b, _)| a.error.median.total_cmp(&b.error.median));
@@ -155,6 +180,25 @@ fn candidates(folder: &Path, result: &StudyResult, settings: &AdviceSettings) ->
         candidate.over_best = t_interval(&logs, 0.95).map(Interval::exponentiated);
     }
     Ok(all.into_iter().map(|(candidate, _)| candidate).collect())
+}
+
+/// What an hour more would give of the best candidate: noise falls with time, and what arms without effects do not have stays.
+fn longer(folder: &Path, best: &Candidate, purpose: Purpose, made: &AdvicePlan) -> Result<Option<Longer>, Error> {
+    let without_effects = AdvicePlan::LEVELS[0].0;
+    let is_own = |run: &RunValue| run.family == best.design && run.estimator == best.estimator;
+    let squares = |metric, is_meant: &dyn Fn(&str) -> bool| -> Result<Vec<f64>, Error> {
+        let runs = run_values(folder, metric)?.into_iter().filter(|run| is_own(run) && is_meant(&run.condition));
+        Ok(runs.filter_map(|run| run.value).map(|value| value * value).collect())
+    };
+    let noise = squares(purpose.noise_metric(), &|condition| condition == without_effects)?;
+    let all = squares(purpose.metric(), &|condition| made.shown.is_empty() || condition != without_effects)?;
+    let without = |share: f64| {
+        let left: Vec<f64> = all.iter().map(|all| (all - share * mean(&noise)).max(0.0).sqrt()).collect();
+        Spread::new(&left).filter(|_| !noise.is_empty()).map(|left| left.median)
+    };
+    let minutes = AdvicePlan::PERIOD_S * made.periods as f64 / 60.0;
+    let found = without(MORE_MINUTES / (minutes + MORE_MINUTES)).zip(without(1.0));
+    Ok(found.map(|(median, floor)| Longer { minutes: MORE_MINUTES, median, floor }))
 }
 
 /// Mean logarithm over levels and designs of each arm's errors.

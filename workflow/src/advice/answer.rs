@@ -2,16 +2,19 @@
 
 use std::path::PathBuf;
 
+use armid::model::DriveKind;
 use armid::statistics::{Interval, Spread};
-use armid::study::{DriveKind, Purpose};
+use armid::study::Purpose;
 
 /// A design with an estimator.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Candidate {
     /// Name of the design's criterion.
     pub design: String,
-    /// Name of the estimator.
+    /// Name of the estimator, and the terms that it has beside the usual ones: `wls+stribeck`.
     pub estimator: String,
+    /// The columns that it estimates.
+    pub columns: String,
     /// Its error over all arms and levels of the effects: 90 % of them are between `low` and `high`.
     pub error: Spread,
     /// Its error over that of the best candidate on the same arms, with a 95 % interval by Student's t over arms: each arm counts by the
@@ -28,6 +31,21 @@ impl Candidate {
     }
 }
 
+/// What more time on the robot would give.
+///
+/// ```text
+/// E'² = E² − n² (1 − T/(T + more))        n the error of arms without effects, which noise alone makes
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Longer {
+    /// How much more, min.
+    pub minutes: f64,
+    /// The median error then.
+    pub median: f64,
+    /// What no more time would take away.
+    pub floor: f64,
+}
+
 /// The best motion and estimator for an arm, and what to expect of them.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct AdviceAnswer {
@@ -39,6 +57,10 @@ pub struct AdviceAnswer {
     pub purpose: Purpose,
     /// Recorded time, s.
     pub duration_s: f64,
+    /// What was taken from an earlier log, a sentence each.
+    pub from_log: Vec<String>,
+    /// What an hour more would give, by the runs of the best candidate.
+    pub longer: Option<Longer>,
     /// All candidates, the best first.
     pub candidates: Vec<Candidate>,
     /// Base parameters that the best candidate does not determine to within a third of their value.

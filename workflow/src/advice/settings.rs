@@ -2,8 +2,11 @@
 
 use std::path::PathBuf;
 
+use armid::model::DriveKind;
 use armid::model::format::ChainEnds;
-use armid::study::{AdvicePlan, DriveKind, Purpose};
+use armid::study::{AdvicePlan, Purpose};
+
+use super::earlier_log::EarlierLog;
 
 /// Which arm, what is known of it, and what its model is for.
 #[derive(Clone, Debug)]
@@ -12,8 +15,10 @@ pub struct AdviceSettings {
     pub robot: String,
     /// Which chain of a tree.
     pub ends: ChainEnds,
-    /// The drives.
-    pub drive: DriveKind,
+    /// The drives; those of the robot file where `None`, and harmonic where it states none.
+    pub drive: Option<DriveKind>,
+    /// What an earlier log of the arm shows, instead of what is assumed.
+    pub log: Option<EarlierLog>,
     /// What the model is for.
     pub purpose: Purpose,
     /// Time on the robot, minutes.
@@ -36,7 +41,8 @@ impl AdviceSettings {
         Self {
             robot: robot.into(),
             ends: ChainEnds::default(),
-            drive: DriveKind::Harmonic,
+            drive: None,
+            log: None,
             purpose: Purpose::Torque,
             minutes: 1.0,
             arms: 6,

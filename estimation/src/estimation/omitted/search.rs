@@ -9,6 +9,7 @@ use super::laws::{self, Law};
 use super::scales::moments;
 use super::torque::OmittedTorque;
 use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::EffectSize;
 use crate::estimation::factorisation::Factorisation;
 use crate::estimation::finding::Finding;
 use crate::estimation::linear_fit::LinearFit;
@@ -43,15 +44,22 @@ pub(in crate::estimation) fn omitted_torque(
         .collect();
     let Some(evidence) = Evidence::new(observation, &linear, &columns)? else { return Ok(None) };
     let Some((mean, second_moment)) = moments(&evidence, &groups) else { return Ok(None) };
-    let finding = |(group, p_adjusted): (usize, f64)| {
-        let (Law { effect, level, unit, .. }, own) = (&laws[group], groups[group].clone());
-        let count = own.len() as f64;
-        let square: f64 = own.map(|c| second_moment[(c, c)]).sum();
-        let size = level * (square / count).sqrt();
-        Finding::EffectShown { effect: effect.name().to_owned(), size, unit: (*unit).to_owned(), p_adjusted }
-    };
     let supported = evidence.supported(&groups);
+    let size = |(group, Law { effect, level, unit, .. }): (usize, &Law)| {
+        let square: f64 = groups[group].clone().map(|c| second_moment[(c, c)]).sum();
+        EffectSize {
+            effect: effect.name().to_owned(),
+            size: level * (square / groups[group].len() as f64).sqrt(),
+            unit: (*unit).to_owned(),
+            shown: supported.iter().any(|(of, _)| *of == group),
+        }
+    };
+    let sizes: Vec<EffectSize> = laws.iter().enumerate().map(size).collect();
+    let finding = |&(group, p_adjusted): &(usize, f64)| {
+        let EffectSize { effect, size, unit, .. } = sizes[group].clone();
+        Finding::EffectShown { effect, size, unit, p_adjusted }
+    };
+    let findings = supported.iter().map(finding).collect();
     let places: Vec<usize> = supported.iter().flat_map(|&(group, _)| groups[group].clone()).collect();
-    let findings = supported.into_iter().map(finding).collect();
-    Ok(Some(OmittedTorque { columns, mean, second_moment, supported: places, findings }))
+    Ok(Some(OmittedTorque { columns, mean, second_moment, supported: places, sizes, findings }))
 }

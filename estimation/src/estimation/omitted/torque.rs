@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::EffectSize;
 use crate::estimation::finding::Finding;
 use crate::estimation::instruments::Instruments;
 use crate::estimation::observation::Observation;
@@ -19,6 +20,8 @@ pub(in crate::estimation) struct OmittedTorque {
     pub(super) second_moment: DMatrix<f64>,
     /// Which columns are of laws that the log supports.
     pub(super) supported: Vec<usize>,
+    /// How large each law may be.
+    pub(in crate::estimation) sizes: Vec<EffectSize>,
     /// The laws that the log supports.
     pub(in crate::estimation) findings: Vec<Finding>,
 }

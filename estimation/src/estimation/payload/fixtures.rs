@@ -40,6 +40,7 @@ pub(in crate::estimation) fn estimate_of(
         degrees_of_freedom: 100.0,
         samples: 1,
         periods: 1,
+        effects: Vec::new(),
         findings: Vec::new(),
         termination: Termination::Direct,
         provenance: None,

@@ -169,6 +169,7 @@ fn estimate(of: &Estimate, load: &BaseReduction, fitted: &Fitted, freedom: f64) 
         standard: None,
         consistent: None,
         degrees_of_freedom: freedom,
+        effects: Vec::new(),
         findings: Vec::new(),
         termination: Termination::Direct,
         ..of.clone()

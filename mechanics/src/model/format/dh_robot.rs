@@ -16,6 +16,7 @@ use super::shape_tables::{
 };
 use super::uncertainty_table::{UncertaintyTable, read_uncertainty};
 use crate::model::drive::Drive;
+use crate::model::drive_kind::DriveKind;
 use crate::model::joint::{DhConvention, DhRow, Joint, JointKind, Limits};
 use crate::model::robot::{Robot, RobotSpec};
 use crate::model::servo::EffortInterface;
@@ -32,6 +33,7 @@ struct RobotTable {
     effort: EffortInterface,
     base: Option<BaseTable>,
     servo: Option<ServoTable>,
+    drives: Option<DriveKind>,
     #[serde(default)]
     uncertainty: UncertaintyTable,
     joint: Spanned<Vec<Spanned<JointTable>>>,
@@ -104,6 +106,7 @@ pub(super) fn read_dh_robot(text: &str) -> Result<Robot, FormatError> {
         effort: file.effort,
         servo: file.servo.as_ref().map(|table| read_servo(check, table)).transpose()?,
         uncertainty: read_uncertainty(check, &file.uncertainty)?,
+        drives: file.drives,
         source_sha256: sha256(text),
     };
     Robot::new(spec).or_else(|fault| check.fault(file.joint.span(), fault.to_string()))

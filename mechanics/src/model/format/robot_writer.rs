@@ -52,6 +52,7 @@ pub fn write_robot(model: &ImportedModel, path: &str, ends: &ChainEnds) -> Strin
     }
     out.key("effort", "\"torque\"", "what logs hold: \"torque\" (N m at the joint) or \"current\" (A), which");
     out.comment_at_column("needs gears and torque constants below");
+    out.gap("drives", "\"harmonic\", \"planetary\", \"belt\", \"direct\" or \"servo\": effects that advice expects");
     out.gap("gravity_m_s2", "in the world; [0, 0, -9.81] is taken, the root of the URDF standing upright");
     out.blank();
     out.line("# [base]", "where the root stands, if not upright at the origin");

@@ -36,6 +36,7 @@ use super::term_keys::{read_terms, term_keys};
 use super::tree::ImportedModel;
 use super::uncertainty_table::{UncertaintyTable, read_uncertainty};
 use super::urdf::parse_urdf;
+use crate::model::drive_kind::DriveKind;
 use crate::model::joint::Joint;
 use crate::model::robot::{Robot, RobotSpec};
 use crate::model::servo::EffortInterface;
@@ -54,6 +55,7 @@ struct RobotTable {
     effort: Option<EffortInterface>,
     base: Option<BaseTable>,
     servo: Option<ServoTable>,
+    drives: Option<DriveKind>,
     #[serde(default)]
     uncertainty: UncertaintyTable,
     #[serde(default)]
@@ -139,6 +141,7 @@ pub(super) fn read_urdf_robot(text: &str) -> Result<RobotModel, FormatError> {
     spec.effort = effort;
     spec.servo = file.servo.as_ref().map(|table| read_servo(check, table)).transpose()?;
     spec.uncertainty = read_uncertainty(check, &file.uncertainty)?;
+    spec.drives = file.drives;
     spec.source_sha256 = sha256(text);
     let robot = Robot::new(spec).or_else(|fault| check.fault(at, fault.to_string()))?;
     for (index, table) in stated.iter().enumerate().filter_map(|(index, table)| Some((index, (*table)?))) {
