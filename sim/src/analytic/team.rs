@@ -186,17 +186,17 @@ fn load<const N: usize, S: Simd>(simd: S, runs: &[[f64; N]], first: usize) -> [W
         for l in 0..S::F64_LANES {
             lanes[l] = runs[(first + l).min(runs.len() - 1)][i];
         }
-        out[i] = Wide::new(simd, simd.partial_load_f64s(&lanes[..S::F64_LANES]));
+        out[i] = Wide::new(simd, S::as_simd_f64s(&lanes).0[0]);
     }
     out
 }
 
 #[inline(always)]
-fn store<const N: usize, S: Simd>(simd: S, wide: &[Wide<S>; N], runs: &mut [[f64; N]], first: usize) {
+fn store<const N: usize, S: Simd>(wide: &[Wide<S>; N], runs: &mut [[f64; N]], first: usize) {
     let mut lanes = [0.0; MOST_LANES];
     let last = runs.len().min(first + S::F64_LANES);
     for i in 0..N {
-        simd.partial_store_f64s(&mut lanes[..S::F64_LANES], wide[i].x);
+        S::as_mut_simd_f64s(&mut lanes).0[0] = wide[i].x;
         for run in first..last {
             runs[run][i] = lanes[run - first];
         }
@@ -218,8 +218,8 @@ impl<const N: usize> WithSimd for Step<'_, N> {
             let mut y = State { q: load(simd, &side.q, first), v: load(simd, &side.v, first) };
             let tau = load(simd, &side.tau, first);
             integrator::step(&side.chain, &mut y, &tau, dt);
-            store(simd, &y.q, &mut side.q, first);
-            store(simd, &y.v, &mut side.v, first);
+            store(&y.q, &mut side.q, first);
+            store(&y.v, &mut side.v, first);
             first += S::F64_LANES;
         }
     }
