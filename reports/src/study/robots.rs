@@ -1,6 +1,8 @@
 //! The page of one study on several robots: what one robot says, beside what the others say.
 
-use armid::study::{Metric, RobotDifference, RobotsComparison, RobotsSummary, criterion_in_words};
+use armid::study::{
+    Metric, RobotDifference, RobotsComparison, RobotsSummary, criterion_in_words, criterion_pair_in_words,
+};
 
 use super::overview::TESTED;
 use super::selection::GROUPS;
