@@ -370,11 +370,9 @@ fn paths_of_an_estimate_hold_beside_it_and_its_own_log_validates_nothing() {
     assert_eq!(json(&at(folder.path(), &rest))["remarks"], Value::from(Vec::<Value>::new()));
     // A robot file that is nowhere.
     std::fs::rename(home.join("arm.toml"), home.join("moved.toml")).expect("another name");
-    for command in [
-        &["validate", "home/E.json", "home/R.csv"][..],
-        &["report", "home/E.json", "--robot", "nowhere.toml"],
-        &["export", "home/E.json", "--to", "json"],
-    ] {
+    let fault = stderr(&at(folder.path(), &["report", "home/E.json", "--robot", "nowhere.toml"]).code(2));
+    assert!(fault.contains("robot file not found: nowhere.toml") && fault.contains("`armid robot`"), "{fault}");
+    for command in [&["validate", "home/E.json", "home/R.csv"][..], &["export", "home/E.json", "--to", "json"]] {
         let fault = stderr(&at(folder.path(), command).code(2));
         assert!(fault.contains("robot file not found") && fault.contains("--robot ROBOT"), "{fault}");
     }

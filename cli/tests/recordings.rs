@@ -103,6 +103,8 @@ fn identity_a_replayed_recording_gives_the_same_estimate_to_the_last_bit() {
             let origin = estimate.as_object_mut().unwrap().remove(key);
             assert!(origin.is_some_and(|origin| origin.to_string().contains(recording)), "{key}");
         }
+        let log = estimate["figures"]["log"].take();
+        assert!(log.as_str().is_some_and(|name| recording.ends_with(name)), "{log}");
         estimate.to_string()
     };
     let (first, second) = (estimate(&first), estimate(&second));

@@ -40,3 +40,8 @@ impl Heading {
         self
     }
 }
+
+/// A name of a study as a part of a file's name.
+pub(crate) fn file_stem(name: &str) -> String {
+    name.to_lowercase().replace(|c: char| !c.is_ascii_alphanumeric(), "-")
+}

@@ -112,7 +112,7 @@ impl StudyPlan {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::term::STRIBECK;
+    use crate::model::term::{MOTOR_STRIBECK, STRIBECK};
 
     fn plan(estimators: [&str; 2]) -> StudyPlan {
         let mut plan = StudyPlan::from_toml(include_str!("../../experiments/01-criteria/study.toml")).unwrap();
@@ -126,7 +126,7 @@ mod tests {
         plan.check().unwrap();
         let planned = plan.planned_estimators(&OwnMethods::default()).unwrap();
         assert_eq!((planned[0].more, planned[1].estimator.name()), (None, "irls-huber"));
-        assert_eq!(planned[1].more, Some(plan.columns().unwrap().with_term(STRIBECK)));
+        assert_eq!(planned[1].more, Some(plan.columns().unwrap().with_term(STRIBECK).with_term(MOTOR_STRIBECK)));
     }
 
     #[test]

@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::consistent_set::definite_inverse;
+use super::effect_size::EffectSize;
 use super::error::EstimationError;
 use super::factorisation::FactorisedBy;
 use super::finding::Finding;
@@ -77,19 +78,6 @@ pub enum IntervalBasis {
     Residual,
     /// The scatter over repeated periods, and beyond it what the residual shows of a torque that the model lacks.
     Discrepancy,
-}
-
-/// How large an effect may be of which a log shows something, or shows that there is little.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct EffectSize {
-    /// Name of the effect.
-    pub effect: String,
-    /// RMS of its size over the drives, with what noise leaves open.
-    pub size: f64,
-    /// Unit of the size; empty for a share.
-    pub unit: String,
-    /// Whether the log supports it ([`Finding::EffectShown`]).
-    pub shown: bool,
 }
 
 /// Base parameters with their uncertainty, and how well the model explains the torque. Serialises to the keys of the

@@ -19,6 +19,7 @@ mod consistent_set;
 mod declared;
 mod discrepancy;
 mod drive_gains;
+mod effect_size;
 mod entries;
 mod error;
 mod essential;
@@ -76,8 +77,9 @@ pub use closed_loop::{
 pub use comparison::{ComparedParameter, Comparison, compare};
 pub use completion::{Completion, complete};
 pub use drive_gains::{DriveGain, DriveGains, GainMethod, drive_gains, gain_equations, gain_slopes};
+pub use effect_size::EffectSize;
 pub use error::{EstimationError, ExternalError};
-pub use estimate::{BaseEstimate, EffectSize, Estimate, IntervalBasis, StandardEstimate};
+pub use estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate};
 pub use estimator::Estimator;
 pub use factorisation::{Factorisation, FactorisedBy};
 pub use finding::{Finding, MisfitPart};

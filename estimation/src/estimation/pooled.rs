@@ -113,7 +113,7 @@ pub fn pool(estimates: &[&Estimate], together: Option<&Estimate>) -> Result<Pool
         findings.extend(all.findings.iter().filter(is_of_law).cloned());
     }
     let estimate = Estimate {
-        effects: Vec::new(),
+        effects: together.map_or_else(Vec::new, |all| all.effects.clone()),
         findings,
         base: base.collect(),
         noise_covariance: if noise == covariance { Vec::new() } else { symmetric_rows_of(noise) },

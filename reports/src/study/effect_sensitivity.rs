@@ -5,6 +5,7 @@ use armid::study::{EffectSensitivity, ReportInput, SensitivityEntry, capitalised
 
 use super::criteria_on_robots::effect_in_words;
 use super::titles;
+use crate::heading::file_stem;
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Heading, HeatFigure, Section, Table};
 
 /// Biases below this many standard deviations are drawn as this many: they are invisible.
@@ -94,7 +95,7 @@ fn glance(
         |effect| format!("{} raises the error of prediction most", capitalised(&effect_in_words(Some(effect)))),
     );
     HeatFigure {
-        heading: Heading::new(format!("atlas-{estimator}"), title)
+        heading: Heading::new(format!("atlas-{}", file_stem(estimator)), title)
             .subtitle(format!("error increase per unmodelled effect: how many times the error without the effect, estimator {estimator}"))
             .caption("Rows: one effect alone, or several by the name of their scenario, the largest increase of the prediction error at the top. Prediction: RMSE of predicted torque over the rating. Parameters: root mean square over the parameters of a kind. 1 is an effect that noise hides; grey is a level that was not run, or a run that gave no estimate."),
         values: values.collect(),

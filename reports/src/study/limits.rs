@@ -2,6 +2,7 @@
 
 use armid::study::{LimitExample, ReportInput, capitalised, criterion_in_words};
 
+use crate::heading::file_stem;
 use crate::{Cell, Column, DocumentError, Heading, Section, Table, TimeSeriesFigure, limits_figure};
 
 /// Designs that are drawn: of a grid the first few.
@@ -46,15 +47,10 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
 
 fn figure(example: &LimitExample, input: &ReportInput) -> Option<TimeSeriesFigure> {
     let joints: Vec<String> = input.result.joints.iter().map(|joint| joint.name.clone()).collect();
-    let name = format!("limits-{}", stem(&example.family));
+    let name = format!("limits-{}", file_stem(&example.family));
     let family = capitalised(&criterion_in_words(&example.family));
     limits_figure(example, &joints, |finding| {
         Heading::new(name, format!("{family} design: {finding}"))
             .subtitle(format!("design {} of the study", example.design))
     })
-}
-
-/// A family's name as a part of a file's name.
-fn stem(family: &str) -> String {
-    family.to_lowercase().replace(|c: char| !c.is_ascii_alphanumeric(), "-")
 }

@@ -7,6 +7,7 @@ use armid::study::{
 use super::overview::TESTED;
 use super::selection::GROUPS;
 use super::titles;
+use crate::heading::file_stem;
 use crate::{
     Axis, Cell, Column, Document, DocumentError, Group, Heading, Interval, IntervalFigure, IntervalRow, Level, Section,
     Table,
@@ -111,7 +112,7 @@ fn figure(summary: &RobotsSummary, [first, second]: [&str; 2], rows: &[&RobotsCo
         .collect();
     IntervalFigure {
         heading: Heading::new(
-            format!("robots-{}-over-{}", slug(first), slug(second)),
+            format!("robots-{}-over-{}", file_stem(first), file_stem(second)),
             titles::pair_on_robots(&criterion_in_words(first), &in_words, &rows),
         )
         .subtitle(format!("{}, estimator {}", Metric::Prediction.title(), summary.shown_estimator()))
@@ -158,10 +159,4 @@ fn written(one: &RobotDifference) -> String {
     let interval = one.interval.map_or_else(String::new, |i| format!(" [{:.2}, {:.2}]", i.low, i.high));
     let words = format!("{:.2}{interval}", one.difference);
     if one.better.is_some() { format!("**{words}**") } else { words }
-}
-
-/// A name as a part of a file's name.
-fn slug(name: &str) -> String {
-    let letter = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
-    name.chars().map(letter).collect()
 }

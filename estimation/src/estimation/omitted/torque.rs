@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::estimation::effect_size::EffectSize;
 use crate::estimation::error::EstimationError;
-use crate::estimation::estimate::EffectSize;
 use crate::estimation::finding::Finding;
 use crate::estimation::instruments::Instruments;
 use crate::estimation::observation::Observation;
