@@ -192,7 +192,7 @@ fn analytic_every_fault_of_a_robot_file_names_its_place() {
             "viscous is -0.1, expected a finite number not below zero",
         ),
         ("name = \"pair\"\n", "¶", "missing field `name`"),
-        ("[servo]", "drives = ¶\"rubber\"\n[servo]", "unknown variant `rubber`, expected one of `harmonic`"),
+        ("[base]", "drives = ¶\"rubber\"\n[base]", "unknown variant `rubber`, expected one of `harmonic`"),
         ("rate_hz = 5000\n", "", "missing field `rate_hz`"),
     ] {
         let mut text = replaced(TWO_JOINTS, from, to);

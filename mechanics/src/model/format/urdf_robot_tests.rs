@@ -107,6 +107,7 @@ fn identity_a_file_with_its_gaps_reads_as_the_urdf_and_every_gap_is_a_key() {
     assert!(text.split("[[joint]]").nth(2).unwrap().contains("has no <inertial>"), "{text}");
     // Filled in one by one, headings with them, each gap is read; all together too.
     let value = |key: &str| match key {
+        "drives" => "\"belt\"",
         "gravity_m_s2" => "[0, 0, -9.8]",
         "roll_pitch_yaw_deg" => "[0, 90, 0]",
         "motor_from_joint" => "[[1, 0], [0.5, 1]]",
