@@ -17,7 +17,21 @@ fn advice_on_a_urdf_names_what_it_assumed_and_its_experiment_runs() {
     let urdf = write(folder.path(), "two.urdf", TWO_JOINTS);
     let output = folder.path().join("advice");
     let place = output.display().to_string();
-    let asked = ["advise", &urdf, "--drive", "direct", "--minutes", "0.5", "--arms", "1", "--quiet", "-o", &place];
+    let asked = [
+        "advise",
+        &urdf,
+        "--base-link",
+        "base",
+        "--drive",
+        "direct",
+        "--minutes",
+        "0.5",
+        "--arms",
+        "1",
+        "--quiet",
+        "-o",
+        &place,
+    ];
     let answer = json(&armid([&asked[..], &["--json"]].concat()).success());
 
     let candidates = answer["candidates"].as_array().expect("candidates");

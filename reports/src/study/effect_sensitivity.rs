@@ -28,14 +28,24 @@ pub(super) fn section(input: &ReportInput, sensitivity: &EffectSensitivity) -> R
         section = section.text(format!("Shown are the {} designs.", criterion_in_words(family)));
     }
     // The estimator that figures show comes first.
+    let mut without: Vec<&str> = Vec::new();
     for estimator in input.result.plan.identification.estimators.iter().rev() {
-        section = section.figure(&glance(input, sensitivity, &of(estimator), estimator))?;
+        let shown = of(estimator);
+        if shown.is_empty() {
+            without.insert(0, estimator);
+        } else {
+            section = section.figure(&glance(input, sensitivity, &shown, estimator))?;
+        }
+    }
+    if !without.is_empty() {
+        section = section.text(format!("No run with an effect gave an estimate by {}.", without.join(", ")));
     }
     let estimator = input.result.shown_estimator();
-    Ok(section
-        .figure(&biases(input, &of(estimator), estimator))?
-        .table(predictions(sensitivity))
-        .table(worst(input, sensitivity)))
+    let shown = of(estimator);
+    if !shown.is_empty() {
+        section = section.figure(&biases(input, &shown, estimator))?;
+    }
+    Ok(section.table(predictions(sensitivity)).table(worst(input, sensitivity)))
 }
 
 /// The level of a condition: that of its effect, or of all of its effects where they have one.

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use armid::excitation::Termination;
 use armid::model::DriveKind;
+use armid::model::format::ChainEnds;
 use armid::observer::Observer;
 use armid::remedy::{Remedy, Setting};
 use armid::statistics::{Interval, Spread, mean, t_interval};
@@ -35,6 +36,8 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
     let noise = settings.log.as_ref().and_then(|log| log.noise.as_deref());
     let assumed = robot::assume(&settings.robot, &settings.ends, &place, noise)?;
     let mut assumptions = Vec::new();
+    // The file that is made chooses the chain already.
+    let ends = if assumed.is_some() { ChainEnds::default() } else { settings.ends.clone() };
     let named = match assumed {
         Some(file) => {
             let own = [("robot.toml", file.text)];
@@ -54,7 +57,7 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
             std::path::absolute(path).map_err(|error| Error::unreadable(path, &error))?.display().to_string()
         }
     };
-    let loaded = robot::load(&named, &settings.ends, Some(folder))?;
+    let loaded = robot::load(&named, &ends, Some(folder))?;
     let servo_hz = loaded.robot.servo().rate_hz;
     let drive = settings.drive.or(loaded.robot.drive_kind()).unwrap_or_else(|| {
         assumptions.push("harmonic drives, since the robot file does not state `drives`".to_owned());
