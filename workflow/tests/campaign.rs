@@ -61,7 +61,7 @@ fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     found
 }
 
-const REACHED: [&str; 2] = ["Fc2 <= 8.5 %", "torque <= 0.6 %"];
+const REACHED: [&str; 2] = ["Fc2 <= 6 %", "torque <= 0.5 %"];
 
 #[test]
 fn identity_a_campaign_that_is_ended_after_every_step_has_the_bytes_of_one_in_a_piece() {

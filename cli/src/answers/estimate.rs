@@ -155,7 +155,7 @@ fn what_more(Identified { estimate, verdict, .. }: &Identified, shows_parameters
     if more.is_empty() {
         return String::new();
     }
-    format!("\n{}", paragraph(&format!("{}: `armid identify -v`", more.join(", and ")), 2))
+    format!("\n{}", paragraph(&format!("{}: add `-v`", more.join(", and ")), 2))
 }
 
 fn parameters(Identified { estimate, expressions, .. }: &Identified, verbose: bool) -> String {

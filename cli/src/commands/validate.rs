@@ -16,7 +16,7 @@ use crate::terminal::{Answer, Console, Ending, Table, Watch};
 
 const AFTER_HELP: &str = "\
 The verdict is `passed` (exit 0) if the error of every joint is within --limit of its measured RMS, else \
-`failed` (exit 1). The log of the fit cannot pass. Rows that a fit would use count; errors \
+`failed` (exit 1). The log of the fit is `not a validation` (exit 0) at best. Rows that a fit would use count; errors \
 on all rows are listed. Mapping and processing are the estimate's. A URDF or MJCF predicts with \
 its own parameters.
 

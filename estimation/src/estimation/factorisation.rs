@@ -238,7 +238,9 @@ impl<'a> Factorisation<'a> {
             let Some(noise) = scatter_noise(self.observation) else { return Ok(None) };
             let Some((_, fit)) = self.by_scatter()? else { return Ok(None) };
             let laws = self.omitted.as_ref().map(OmittedTorque::supported);
-            Ok(Discrepancy::find(self.observation, samples, &noise, fit.solution().as_slice(), laws.as_ref()))
+            let motion = self.omitted.as_ref().and_then(|omitted| omitted.motion.as_ref());
+            let beta = fit.solution().as_slice();
+            Ok(Discrepancy::find(self.observation, samples, (&noise, motion), beta, laws.as_ref()))
         });
         found.as_ref().map(Option::as_ref).map_err(Clone::clone)
     }

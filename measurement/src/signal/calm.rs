@@ -3,12 +3,16 @@
 use super::butterworth::Butterworth;
 use super::cutoff::find_motion_band;
 use super::error::SignalError;
-use super::periodic::{column, put_column};
+use super::fourier_transform::FourierTransform;
+use super::harmonics::HarmonicSeries;
+use super::periodic::{column, put_column, put_motion};
 use super::samples::Samples;
 use crate::dynamics::States;
 
 /// Cut-off over the last frequency of the motion: both passes have lost half at the cut-off, and 0.4 % at half of it.
 const ABOVE_MOTION: f64 = 2.0;
+/// Power of a harmonic over that of its noise, from which on it is taken for motion: noise is a tenth of its amplitude at most.
+const OVER_NOISE: f64 = 100.0;
 /// Slowest low pass, in cycles a record.
 const LEAST_CYCLES: f64 = 4.0;
 
@@ -17,14 +21,17 @@ impl Samples {
     /// frequency.
     ///
     /// Torque along states with noise has that noise, and the torque that is measured has not. So a residual holds it too, and any column of
-    /// equations that is made of such torque resembles the residual: the more so, the more often it is differentiated. The states of a period are as
-    /// they are: their low pass is where signal and noise are equal already.
+    /// equations that is made of such torque resembles the residual: the more so, the more often it is differentiated. Of a period, harmonics are kept
+    /// up to the last that has a hundred times the power of its noise; all that there are where the noise is not known.
     ///
     /// # Errors
     /// [`SignalError`] where a band is no frequency.
     pub fn calm_states(&self) -> Result<States, SignalError> {
         let (n, count) = (self.dof(), self.len());
-        if self.period_s.is_some() || count < 2 {
+        if let Some(period_s) = self.period_s {
+            return Ok(self.calm_period(period_s));
+        }
+        if count < 2 {
             return Ok(self.states.clone());
         }
         let band_hz = self.position_band_hz.iter().copied().fold(0.0, f64::max).min(0.5 * self.rate_hz);
@@ -40,6 +47,17 @@ impl Samples {
             }
         }
         Ok(calm)
+    }
+
+    fn calm_period(&self, period_s: f64) -> States {
+        let (n, transform) = (self.dof(), FourierTransform::new(self.len()));
+        let mut calm = self.states.clone();
+        for (i, floor) in self.position_floor.iter().enumerate() {
+            let series = HarmonicSeries::new(&transform, &column(&self.states.q, n, i), period_s);
+            let last = series.last_above_power(OVER_NOISE * floor);
+            put_motion(&mut calm, i, series.up_to(last).samples(&transform).arrays());
+        }
+        calm
     }
 }
 
@@ -76,5 +94,36 @@ mod tests {
         // Noise of the acceleration goes with the band to the power 2.5: at 4 Hz by a factor of ten.
         let (raw, calm) = (error(&samples.states), error(&samples.calm_states().unwrap()));
         assert!(raw > 0.04 && calm < 0.2 * raw, "{raw} {calm}");
+    }
+
+    #[test]
+    fn analytic_harmonics_of_a_period_that_are_hardly_above_noise_go() {
+        let (count, period_s, w) = (400, 10.0, std::f64::consts::TAU / 10.0);
+        let of = |k: usize, h: usize| w * h as f64 * period_s * k as f64 / count as f64;
+        // Amplitudes of 1 and, four lines together, of 0.05, with lines of noise of 0.01: 10⁴ and 25 times its power.
+        let q: Vec<f64> = (0..count)
+            .map(|k| libm::sin(of(k, 3)) + 0.05 * (40..44).map(|h| libm::sin(of(k, h))).sum::<f64>())
+            .collect();
+        let (zeros, floor) = (vec![0.0; count], |floor: f64| Samples {
+            period_s: Some(period_s),
+            position_floor: vec![floor],
+            ..Samples::exact(
+                States { dof: 1, q: q.clone(), qd: vec![0.0; count], qdd: vec![0.0; count] },
+                vec![0.0; count],
+                vec!["N·m".to_owned()],
+                count as f64 / period_s,
+            )
+        });
+        let calm = floor(1e-4).calm_states().unwrap();
+        for k in 0..count {
+            let expected =
+                [libm::sin(of(k, 3)), 3.0 * w * libm::cos(of(k, 3)), -(3.0 * w).powi(2) * libm::sin(of(k, 3))];
+            for (found, expected) in [calm.q[k], calm.qd[k], calm.qdd[k]].iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-9, "{k}: {found} {expected}");
+            }
+        }
+        // Less noise, and they stay.
+        let whole = floor(1e-6).calm_states().unwrap();
+        assert!(whole.q.iter().zip(&q).all(|(whole, q)| (whole - q).abs() < 1e-9) && whole.qd != zeros);
     }
 }

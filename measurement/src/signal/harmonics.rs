@@ -79,10 +79,13 @@ impl HarmonicSeries {
     /// The last harmonic at which the signal still outweighs white noise of variance `variance` per sample, for N
     /// samples, and the power at the end of its own spectrum; see [`Bandwidth::NoiseFloor`].
     pub fn last_above_noise(&self, variance: f64, samples: usize) -> usize {
-        let floor = self.floor(variance, samples);
+        self.last_above_power(2.0 * self.floor(variance, samples))
+    }
+
+    /// The last harmonic, but for the last ninth of all, whose mean power is above `least`.
+    pub(super) fn last_above_power(&self, least: f64) -> usize {
         let power = self.smoothed_power();
-        let furthest = self.highest() * 8 / 9;
-        (1..=furthest).rev().find(|&h| power[h] > 2.0 * floor).unwrap_or(0)
+        (1..=self.highest() * 8 / 9).rev().find(|&h| power[h] > least).unwrap_or(0)
     }
 
     /// The last harmonic whose mean power is `ratio` times the largest of the upper half of the spectrum, which is taken for noise.

@@ -94,12 +94,42 @@ impl NoiseModel {
         Self { lags, weights, wraps, degrees_of_freedom: count / spread }
     }
 
+    /// Noise of one period whose lag covariances R(l) are known: all up to `limit`, or up to the last before five in a row that are below a
+    /// hundredth of each joint's variance.
+    pub fn known(mut lag: impl FnMut(usize) -> DMatrix<f64>, limit: usize) -> Self {
+        let mut lags = vec![lag(0)];
+        let variance = lags[0].diagonal();
+        let (mut last, mut l) = (0, 0);
+        while l < limit && l < last + 5 {
+            l += 1;
+            let here = lag(l);
+            if here.diagonal().iter().zip(variance.iter()).any(|(here, variance)| here.abs() > 0.01 * variance) {
+                last = l;
+            }
+            lags.push(here);
+        }
+        lags.truncate(last + 1);
+        Self { weights: vec![1.0; lags.len()], lags, wraps: true, degrees_of_freedom: f64::INFINITY }
+    }
+
     /// Returns these lags with Bartlett's weights `1 − l/(L+1)`: biased towards white noise, but a covariance for certain.
     #[must_use]
     pub fn tapered(&self) -> Self {
         let end = self.lags.len() as f64;
         let weights = (0..self.lags.len()).map(|l| 1.0 - l as f64 / end).collect();
         Self { weights, ..self.clone() }
+    }
+
+    /// Returns this noise and another one of the same joints, independent of it, whose covariances are known for certain.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        let of = |noise: &Self, l: usize| noise.lags.get(l).map(|lag| lag * noise.weights[l]);
+        let lags = (0..self.lags.len().max(other.lags.len())).filter_map(|l| match (of(self, l), of(other, l)) {
+            (Some(own), Some(other)) => Some(own + other),
+            (own, other) => own.or(other),
+        });
+        let lags: Vec<_> = lags.collect();
+        Self { weights: vec![1.0; lags.len()], lags, ..*self }
     }
 
     /// Returns this noise with all covariances multiplied by `factor`, as by averaging over `1/factor` periods.
@@ -169,6 +199,20 @@ impl NoiseModel {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn known_noise_ends_where_it_is_small_and_sums_lag_by_lag() {
+        let of = |l: usize| DMatrix::from_element(1, 1, libm::pow(0.5, l as f64));
+        let known = NoiseModel::known(of, 40);
+        // 2⁻⁶ is above a hundredth, 2⁻⁷ is not.
+        assert_eq!((known.length(), known.correlation(0, 6)), (6, libm::pow(0.5, 6.0)));
+        assert_eq!(NoiseModel::known(of, 3).length(), 3);
+        let other =
+            NoiseModel { lags: vec![of(0), of(0)], weights: vec![1.0, 0.5], wraps: true, degrees_of_freedom: 9.0 };
+        let sum = other.plus(&known);
+        assert_eq!((sum.length(), sum.degrees_of_freedom, sum.covariance()[(0, 0)]), (6, 9.0, 2.0));
+        assert_eq!((sum.correlation(0, 1), sum.correlation(0, 2)), (0.5, 0.125));
+    }
 
     #[test]
     fn lags_are_square_and_of_one_size() {

@@ -229,7 +229,7 @@ pub(super) fn column(rows: &[f64], n: usize, i: usize) -> Vec<f64> {
 }
 
 /// Writes the motion of joint `i`.
-fn put_motion(states: &mut States, i: usize, motion: [&[f64]; 3]) {
+pub(super) fn put_motion(states: &mut States, i: usize, motion: [&[f64]; 3]) {
     for (rows, values) in [&mut states.q, &mut states.qd, &mut states.qdd].into_iter().zip(motion) {
         put_column(rows, states.dof, i, values);
     }

@@ -8,7 +8,7 @@ use super::target::Target;
 /// Probability with which any of the intervals of a campaign misses.
 const CHANCE: f64 = 0.05;
 
-/// Part of that probability below which an effect's p-value is beyond doubt: a campaign looks at several laws after every round.
+/// Part of that probability below which a p-value is beyond doubt: a campaign looks at several laws and joints after every round.
 const SURE: f64 = 0.1;
 
 /// A round that makes the part by the model's errors narrower by no more than to this share of it does not help.
@@ -71,14 +71,16 @@ pub(super) fn is_out_of_reach(limit: f64, widths: &[Width]) -> bool {
     last.half_width > limit && are_errors_wide && last.by_model_error > HELPS * before.by_model_error
 }
 
-/// Whether an estimate shows an error of the model, where each interval may miss with this probability: an effect that is supported well beyond
-/// it, or torque beyond noise. What the robot file declares of its motors counts too. Otherwise their bound is wide for want of data.
+/// Whether an estimate shows an error of the model, where each interval may miss with this probability: an effect or torque beyond noise
+/// that is supported well beyond it, or a residual that is a multiple of the noise. What the robot file declares of its motors counts too. Otherwise their bound is wide for want of data.
 pub(super) fn is_model_error_shown(estimate: &Estimate, chance: f64) -> bool {
     let is_declared = estimate.base.iter().any(|parameter| parameter.declared_std > 0.0);
     is_declared
         || estimate.findings.iter().any(|finding| match finding {
-            Finding::EffectShown { p_adjusted, .. } => *p_adjusted < SURE * chance,
-            Finding::LackOfFit { .. } | Finding::ResidualAboveNoise { .. } => true,
+            Finding::EffectShown { p_adjusted, .. } | Finding::LackOfFit { p_adjusted, .. } => {
+                *p_adjusted < SURE * chance
+            }
+            Finding::ResidualAboveNoise { .. } => true,
             _ => false,
         })
 }

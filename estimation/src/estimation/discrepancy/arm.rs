@@ -38,30 +38,30 @@ struct JointDiscrepancy {
 
 impl Discrepancy {
     /// What the residual shows; `None` where it shows nothing beyond the scatter over periods, and where the samples are not those
-    /// of the observation. β (b) says what each joint carries, and columns of `laws`, (n·M) × few, are explained.
+    /// of the observation. β (b) says what each joint carries, and columns of `laws`, (n·M) × few, are explained. What the errors of the
+    /// motion explain is no finding; the intervals take all that repeats for a discrepancy.
     pub(in crate::estimation) fn find(
         observation: &Observation,
         samples: &Samples,
-        noise: &NoiseModel,
+        (noise, motion): (&NoiseModel, Option<&NoiseModel>),
         beta: &[f64],
         laws: Option<&DMatrix<f64>>,
     ) -> Option<Self> {
         let blocks = BlockedEquations::new(observation, samples, laws)?;
         let functions: Vec<Functions> = features::of_joints(&blocks, observation, beta);
-        let residuals: Vec<(usize, JointResidual)> = functions
-            .iter()
-            .enumerate()
-            .filter_map(|(joint, functions)| Some((joint, JointResidual::new(&blocks, noise, joint, functions)?)))
-            .collect();
+        let beside = |noise: &NoiseModel| -> Vec<(usize, JointResidual)> {
+            let joints = functions.iter().enumerate();
+            joints.filter_map(|(i, of)| Some((i, JointResidual::new(&blocks, noise, i, of)?))).collect()
+        };
+        let residuals = beside(noise);
         let chances: Vec<Chances> = residuals.iter().map(|(_, residual)| residual.chances()).collect();
         let more: Vec<bool> = chances.iter().map(|chances| chances.show_more_than_noise()).collect();
         if !more.contains(&true) {
             return None;
         }
-        let misfits: Vec<JointMisfit<'_>> = residuals
-            .iter()
-            .zip(&chances)
-            .map(|(&(joint, ref residual), chances)| JointMisfit {
+        let named = |residuals: &[(usize, JointResidual)], chances: &[Chances]| {
+            let joints = residuals.iter().zip(chances);
+            let misfits = joints.map(|(&(joint, ref residual), chances)| JointMisfit {
                 joint,
                 residual,
                 p: chances.adjusted(),
@@ -69,9 +69,17 @@ impl Discrepancy {
                 load: &functions[joint].load,
                 torque_rms: root_mean_square(blocks.torque(joint).as_slice()),
                 unit: &observation.units[joint],
-            })
-            .collect();
-        let findings = misfit::findings(&misfits);
+            });
+            misfit::findings(&misfits.collect::<Vec<_>>())
+        };
+        let findings = motion.map_or_else(
+            || named(&residuals, &chances),
+            |motion| {
+                let residuals = beside(&noise.plus(motion));
+                let chances: Vec<Chances> = residuals.iter().map(|(_, residual)| residual.chances()).collect();
+                named(&residuals, &chances)
+            },
+        );
         let reduced: Vec<_> =
             residuals.iter().zip(&more).map(|((_, residual), &more)| residual.reduced(more)).collect();
         let (sizes, shared) = sizes::restricted_likelihood(&reduced);

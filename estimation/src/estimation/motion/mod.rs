@@ -6,6 +6,9 @@
 //! Least squares takes W(x̂) for W(x). Products of errors with themselves, C = Σ ΔWᵀPΔW, then add to the
 //! information A and draw the parameters towards zero, however long the recording.
 
+mod equation_noise;
 pub(super) mod maximum_likelihood;
 mod noise;
 pub(super) mod total;
+
+pub(super) use equation_noise::motion_noise;

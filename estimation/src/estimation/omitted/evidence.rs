@@ -4,8 +4,9 @@
 //! D̃ = D − W A⁻¹ Bᵀ D        s = D̃ᵀ P r = J θ + noise        J = D̃ᵀ P D̃        cov s = D̃ᵀ P C P D̃ = S
 //! information K = J S⁻ J        score h = J S⁻ s
 //! ```
-//! C has the correlation of the noise in time. Noise from a residual is that which the laws leave; scatter over periods is raised to it where it is
-//! less. In directions that the regressor hides there is no information.
+//! C has the correlation of the noise in time. Noise from a residual is that which the laws leave. Where it is scatter over periods, what errors of the
+//! motion add is in C too, and both are raised to what the laws leave where they are less. In directions that the regressor hides there is no
+//! information.
 
 use std::ops::Range;
 
@@ -35,7 +36,8 @@ pub(super) struct Evidence {
 }
 
 impl Evidence {
-    /// Of the columns D, (n·M) × d, beside a weighted fit; `None` where the regressor hides all of them.
+    /// Of the columns D, (n·M) × d, beside a weighted fit; `None` where the regressor hides all of them. `motion` is the noise that errors of
+    /// the motion add to scatter over periods.
     ///
     /// # Errors
     /// [`EstimationError`] where weights are of another size.
@@ -43,6 +45,7 @@ impl Evidence {
         observation: &Observation,
         linear: &LinearFit,
         columns: &DMatrix<f64>,
+        motion: Option<&NoiseModel>,
     ) -> Result<Option<Self>, EstimationError> {
         let inside = linear.fit.moved_by(&linear.instruments().transposed_product(observation, columns)?);
         let shown = columns - product(&observation.regressor, &inside);
@@ -71,20 +74,27 @@ impl Evidence {
         let residual = observation.residual(linear.fit.solution());
         let score = basis.tr_mul(&weighted.tr_mul(&residual));
         let left = &residual - &shown * (&basis * &score);
-        let noise = if linear.basis == IntervalBasis::Residual {
-            residual_noise(observation, &left)
+        let (noise, motion) = if linear.basis == IntervalBasis::Residual {
+            (residual_noise(observation, &left), None)
         } else {
             let freedom =
                 observation.equations().saturating_sub(linear.fit.solution().len() + places.len()).max(1) as f64;
             let square = linear.misfit(observation)? - score.norm_squared();
-            linear.noise.clone().scaled((square / freedom).max(1.0))
+            let expected = 1.0 + motion.map_or(0.0, |motion| share(motion, &linear.noise));
+            let factor = (square / (freedom * expected)).max(1.0);
+            (linear.noise.clone().scaled(factor), motion.map(|motion| motion.clone().scaled(factor)))
         };
         let of = |noise: &NoiseModel| {
             let spread = noise.operator(observation.samples()).apply(&weighted);
             basis.transpose() * transpose_product(&weighted, &spread) * &basis
         };
         let white = of(&NoiseModel::white(noise.covariance().clone(), false, noise.degrees_of_freedom));
-        let Some(precision) = definite_inverse(raised(of(&noise), &white)) else { return Ok(None) };
+        let mut spread = raised(of(&noise), &white);
+        if let Some(motion) = &motion {
+            // Lags that were cut off may leave directions in which it is less than nothing.
+            spread = raised(of(motion) + &spread, &spread);
+        }
+        let Some(precision) = definite_inverse(spread) else { return Ok(None) };
         // θ in those coordinates has the precision S⁻¹, and J basis brings the coordinates of θ there.
         let to = basis.transpose() * j;
         let information = to.transpose() * &precision * &to;
@@ -123,6 +133,12 @@ impl Evidence {
         let rank = shown.len() as f64;
         f_tail(score.dot(&(inverse(&information) * &score)).max(0.0) / rank, rank, self.freedom)
     }
+}
+
+/// Variance of one noise as a share of another's, in the mean over joints.
+fn share(of: &NoiseModel, noise: &NoiseModel) -> f64 {
+    let n = noise.dof();
+    (0..n).map(|i| of.covariance()[(i, i)] / noise.covariance()[(i, i)].max(f64::MIN_POSITIVE)).sum::<f64>() / n as f64
 }
 
 /// Inverse of a symmetric matrix in the directions that are not hidden.

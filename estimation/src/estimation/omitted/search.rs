@@ -13,6 +13,7 @@ use crate::estimation::error::EstimationError;
 use crate::estimation::factorisation::Factorisation;
 use crate::estimation::finding::Finding;
 use crate::estimation::linear_fit::LinearFit;
+use crate::estimation::motion::motion_noise;
 use crate::model::Robot;
 use crate::signal::Samples;
 
@@ -42,7 +43,8 @@ pub(in crate::estimation) fn omitted_torque(
             group
         })
         .collect();
-    let Some(evidence) = Evidence::new(observation, &linear, &columns)? else { return Ok(None) };
+    let motion = motion_noise(robot, observation, samples, linear.fit.solution());
+    let Some(evidence) = Evidence::new(observation, &linear, &columns, motion.as_ref())? else { return Ok(None) };
     let Some((mean, second_moment)) = moments(&evidence, &groups) else { return Ok(None) };
     let supported = evidence.supported(&groups);
     let size = |(group, Law { effect, level, unit, .. }): (usize, &Law)| {
@@ -61,5 +63,5 @@ pub(in crate::estimation) fn omitted_torque(
     };
     let findings = supported.iter().map(finding).collect();
     let places: Vec<usize> = supported.iter().flat_map(|&(group, _)| groups[group].clone()).collect();
-    Ok(Some(OmittedTorque { columns, mean, second_moment, supported: places, sizes, findings }))
+    Ok(Some(OmittedTorque { columns, mean, second_moment, supported: places, motion, sizes, findings }))
 }

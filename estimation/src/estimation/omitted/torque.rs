@@ -8,6 +8,7 @@ use crate::estimation::finding::Finding;
 use crate::estimation::instruments::Instruments;
 use crate::estimation::observation::Observation;
 use crate::linalg::{LeastSquares, product};
+use crate::signal::NoiseModel;
 
 /// Torque of laws, and how large it may be.
 #[derive(Clone, Debug)]
@@ -20,6 +21,8 @@ pub(in crate::estimation) struct OmittedTorque {
     pub(super) second_moment: DMatrix<f64>,
     /// Which columns are of laws that the log supports.
     pub(super) supported: Vec<usize>,
+    /// The noise that errors of the motion add to scatter over periods, where it is known.
+    pub(in crate::estimation) motion: Option<NoiseModel>,
     /// How large each law may be.
     pub(in crate::estimation) sizes: Vec<EffectSize>,
     /// The laws that the log supports.

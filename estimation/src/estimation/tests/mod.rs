@@ -9,6 +9,7 @@ mod factorisation;
 mod friction_speed;
 mod instrumental;
 mod load_friction;
+mod motion_noise;
 mod noisy_recording;
 mod physical;
 mod recovery;
