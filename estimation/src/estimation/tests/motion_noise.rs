@@ -16,7 +16,7 @@ const COUNT: usize = 400;
 const PERIOD_S: f64 = 10.0;
 /// Last harmonic of the band of positions.
 const BAND: usize = 80;
-/// Standard deviation of a line of a position, rad.
+/// Amplitude of a line of a position, rad.
 const LINE: f64 = 2e-6;
 
 /// Errors of one joint's velocity and acceleration: lines of random phase, beyond the band those of a motion that has steps of acceleration.
