@@ -15,10 +15,9 @@ use crate::arguments::LogArguments;
 use crate::terminal::{Answer, Console, Ending, Table, Watch};
 
 const AFTER_HELP: &str = "\
-The verdict is `passed` (exit 0) if the error of every joint is within --limit of its measured RMS, else \
-`failed` (exit 1). The log of the fit is `not a validation` (exit 0) at best. Rows that a fit would use count; errors \
-on all rows are listed. Mapping and processing are the estimate's. A URDF or MJCF predicts with \
-its own parameters.
+The verdict is `passed` (exit 0) if every joint's error is within --limit of its measured RMS, else `failed` (exit 1). \
+The log of the fit is `not a validation` (exit 0). Rows that a fit would use count; errors on all rows are listed. \
+Mapping and processing are the estimate's. A URDF or MJCF predicts with its own parameters.
 
 Examples:
   armid validate E.json other.mcap
