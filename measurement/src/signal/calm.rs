@@ -28,6 +28,16 @@ impl Samples {
     /// [`SignalError`] where a band is no frequency.
     pub fn calm_states(&self) -> Result<States, SignalError> {
         let (n, count) = (self.dof(), self.len());
+        if !self.joined.is_empty() {
+            let mut all = States::new(n);
+            for of in self.apart() {
+                let calm = of.calm_states()?;
+                all.q.extend(calm.q);
+                all.qd.extend(calm.qd);
+                all.qdd.extend(calm.qdd);
+            }
+            return Ok(all);
+        }
         if let Some(period_s) = self.period_s {
             return Ok(self.calm_period(period_s));
         }

@@ -16,8 +16,6 @@ impl Samples {
     /// Measurement Error in Nonlinear Models, Chapman & Hall, 2006, chapter 4): the third derivative has far more noise than the second. Shares of
     /// few lines are known badly: with 150 lines above the noise 1 % of attenuation is left of 13 %, with 16 lines 15 % of 29 %.
     ///
-    /// Samples do not say where one record of several ends: at such a place the differences of two instants reach across.
-    ///
     /// ```
     /// # use armid_measurement as armid;
     /// use armid::dynamics::States;
@@ -34,6 +32,9 @@ impl Samples {
     /// assert!((jerk[0] + w.powi(3)).abs() < 1e-9 && jerk[16].abs() < 1e-9);
     /// ```
     pub fn jerk(&self) -> Vec<f64> {
+        if !self.joined.is_empty() {
+            return self.apart().flat_map(|of| of.jerk()).collect();
+        }
         let (n, step) = (self.dof(), 1.0 / self.rate_hz);
         let transform = FourierTransform::new(self.len());
         let mut jerk = vec![0.0; self.states.qdd.len()];

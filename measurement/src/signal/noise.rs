@@ -132,6 +132,16 @@ impl NoiseModel {
         Self { weights: vec![1.0; lags.len()], lags, ..*self }
     }
 
+    /// The noise of several records one after the other, none of them periodic: the mean, each by its number of samples; `None` of none.
+    pub fn mean(each: &[(&Self, usize)]) -> Option<Self> {
+        let all: usize = each.iter().map(|(_, count)| count).sum();
+        let part = |&(noise, count): &(&Self, usize)| noise.clone().scaled(count as f64 / all as f64);
+        let mut mean = each.iter().map(part).reduce(|sum, part| sum.plus(&part))?;
+        mean.degrees_of_freedom = each.iter().map(|(noise, _)| noise.degrees_of_freedom).sum();
+        mean.wraps = false;
+        Some(mean)
+    }
+
     /// Returns this noise with all covariances multiplied by `factor`, as by averaging over `1/factor` periods.
     #[must_use]
     pub fn scaled(mut self, factor: f64) -> Self {
@@ -212,6 +222,14 @@ mod tests {
         let sum = other.plus(&known);
         assert_eq!((sum.length(), sum.degrees_of_freedom, sum.covariance()[(0, 0)]), (6, 9.0, 2.0));
         assert_eq!((sum.correlation(0, 1), sum.correlation(0, 2)), (0.5, 0.125));
+    }
+
+    #[test]
+    fn analytic_records_one_after_the_other_have_their_mean_noise() {
+        let of = |variance: f64| NoiseModel::white(DMatrix::from_element(1, 1, variance), true, 10.0);
+        let mean = NoiseModel::mean(&[(&of(1.0), 30), (&of(5.0), 10)]).unwrap();
+        assert_eq!(mean, NoiseModel::white(DMatrix::from_element(1, 1, 2.0), false, 20.0));
+        assert_eq!(NoiseModel::mean(&[]), None);
     }
 
     #[test]

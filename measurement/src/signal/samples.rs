@@ -7,6 +7,7 @@ use super::butterworth::Butterworth;
 use super::error::SignalError;
 use super::fourier_transform::FourierTransform;
 use super::harmonics::HarmonicSeries;
+use super::joined_experiment::JoinedExperiment;
 use super::noise::NoiseModel;
 use super::processing::{Derivatives, Processing};
 use crate::dynamics::States;
@@ -66,6 +67,9 @@ pub struct Samples {
     /// Order of one pass of that filter, where it is a Butterworth low pass.
     #[serde(default = "usual_order")]
     pub torque_filter_order: usize,
+    /// The experiments that were [joined](Self::join), in their order; empty of one alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub joined: Vec<JoinedExperiment>,
     /// Version, robot and seed that produced it, where the recording holds them.
     pub provenance: Option<Provenance>,
 }
@@ -102,6 +106,11 @@ impl Samples {
             ("rows of torque_covariance", self.torque_covariance.as_ref().map_or(n, DMatrix::nrows), n),
             ("columns of torque_covariance", self.torque_covariance.as_ref().map_or(n, DMatrix::ncols), n),
             ("joints of noise", self.noise.as_ref().map_or(n, NoiseModel::dof), n),
+            (
+                "joined",
+                if self.joined.is_empty() { samples } else { self.joined.iter().map(|of| of.samples).sum() },
+                samples,
+            ),
         ];
         match sizes.into_iter().find(|(_, found, expected)| found != expected) {
             Some((what, found, expected)) => {
@@ -163,14 +172,22 @@ impl Samples {
     }
 
     /// A torque that was computed from the states, one joint's N samples, behind the low pass that the measured one went through; as it is where
-    /// there was none. Joined experiments are filtered as one record.
+    /// there was none.
     ///
     /// # Errors
     /// [`SignalError`] where the band is no frequency below half of the rate.
     pub fn filtered_as_torque(&self, torque: Vec<f64>) -> Result<Vec<f64>, SignalError> {
-        let Some(band_hz) = self.torque_band_hz else { return Ok(torque) };
+        if !self.joined.is_empty() {
+            let each = self.experiments().map(|(range, of)| self.low_passed(torque[range].to_vec(), &of));
+            return Ok(each.collect::<Result<Vec<_>, _>>()?.concat());
+        }
+        self.low_passed(torque, &self.whole())
+    }
+
+    fn low_passed(&self, torque: Vec<f64>, of: &JoinedExperiment) -> Result<Vec<f64>, SignalError> {
+        let Some(band_hz) = of.torque_band_hz else { return Ok(torque) };
         let butterworth = || Butterworth::new(self.torque_filter_order, band_hz, self.rate_hz);
-        Ok(match (self.derivatives, self.period_s) {
+        Ok(match (self.derivatives, of.period_s) {
             (Derivatives::Fourier, Some(period_s)) => {
                 let transform = FourierTransform::new(torque.len());
                 let last = (band_hz * period_s).round() as usize;
@@ -179,56 +196,6 @@ impl Samples {
             (_, Some(_)) => butterworth()?.zero_phase_periodic(&torque),
             (_, None) => butterworth()?.zero_phase_reflected(&torque),
         })
-    }
-
-    /// The samples of several experiments on one arm as one, in their order.
-    ///
-    /// Periods that repeat are periods of one experiment only: the result has none, and estimators take its noise from their
-    /// residual. The last instant of an experiment counts as a neighbour of the first of the next where the residual's
-    /// correlation in time is measured; that is one product among as many as there are blocks.
-    ///
-    /// # Errors
-    /// [`SignalError::JointUnits`], [`SignalError::Rates`] or [`SignalError::Blocks`] where they differ,
-    /// [`SignalError::NoExperiment`] where there are none.
-    pub fn join(parts: Vec<Self>) -> Result<Self, SignalError> {
-        let mut parts = parts.into_iter();
-        let mut all = parts.next().ok_or(SignalError::NoExperiment)?;
-        let mut count = 1;
-        for part in parts {
-            if part.dof() != all.dof() || part.units != all.units {
-                return Err(SignalError::JointUnits { found: part.units, first: all.units });
-            }
-            if part.rate_hz.to_bits() != all.rate_hz.to_bits() {
-                return Err(SignalError::Rates { found: part.rate_hz, first: all.rate_hz });
-            }
-            if part.block != all.block {
-                return Err(SignalError::Blocks { found: part.block, first: all.block });
-            }
-            all.keep_whole_blocks();
-            all.link_q = all.link_q.zip(part.link_q).map(|(all, part)| [all, part].concat());
-            all.states.q.extend(part.states.q);
-            all.states.qd.extend(part.states.qd);
-            all.states.qdd.extend(part.states.qdd);
-            all.tau.extend(part.tau);
-            all.slow.resize(all.used.len(), false);
-            all.slow.extend(part.slow);
-            all.used.extend(part.used);
-            all.slow.resize(all.used.len(), false);
-            for (band, other) in all.position_band_hz.iter_mut().zip(part.position_band_hz) {
-                *band = band.min(other);
-            }
-            all.torque_band_hz = all.torque_band_hz.zip(part.torque_band_hz).map(|(band, other)| band.max(other));
-            if all.provenance != part.provenance {
-                all.provenance = None;
-            }
-            count += 1;
-        }
-        if count > 1 {
-            all.periods = 1;
-            (all.period_s, all.torque_covariance, all.position_noise, all.noise) = (None, None, None, None);
-            all.position_floor = Vec::new();
-        }
-        Ok(all)
     }
 
     /// Returns these samples with some joints (from one) held where they are on average: their own rows are no equations, since friction at
@@ -269,7 +236,7 @@ impl Samples {
     }
 
     /// Leaves out the samples behind the last whole block.
-    fn keep_whole_blocks(&mut self) {
+    pub(super) fn keep_whole_blocks(&mut self) {
         let values = self.blocks() * self.block * self.dof();
         let tables = [&mut self.states.q, &mut self.states.qd, &mut self.states.qdd, &mut self.tau];
         for table in tables.into_iter().chain(&mut self.link_q) {
@@ -303,6 +270,7 @@ impl Samples {
             position_floor: Vec::new(),
             torque_band_hz: None,
             torque_filter_order: usual_order(),
+            joined: Vec::new(),
             provenance: None,
         }
     }

@@ -164,30 +164,15 @@ impl Motion<'_> {
     }
 
     fn presliding(&self) -> Result<Law, EstimationError> {
-        let (n, states) = (self.observation.dof, &self.states);
+        let n = self.observation.dof;
         let mut columns = Vec::new();
         for (j, drive) in self.parameters.drives.iter().enumerate() {
             let size = PRESLIDING_SHARE * drive[COULOMB].abs();
+            let q: Vec<f64> = self.states.q.iter().skip(j).step_by(n).copied().collect();
             for distance in DISTANCES {
-                let mut z = 0.0_f64;
-                let mut slide = |k: usize| {
-                    let before = if k == 0 { states.len() - 1 } else { k - 1 };
-                    let moved = if k > 0 || self.observation.periodic {
-                        states.q[k * n + j] - states.q[before * n + j]
-                    } else {
-                        0.0
-                    };
-                    let sliding = if moved == 0.0 { 0.0 } else { moved.signum() };
-                    z = sliding + (z - sliding) * libm::exp(-moved.abs() / distance);
-                    size * z
-                };
-                if self.observation.periodic {
-                    // Once around, so that the period begins as it ends.
-                    for k in 0..states.len() {
-                        slide(k);
-                    }
-                }
-                columns.push((j, (0..states.len()).map(slide).collect()));
+                let each = self.samples.experiments();
+                let each = each.map(|(range, of)| displacement(&q[range], distance, of.period_s.is_some()));
+                columns.push((j, each.flatten().map(|z| size * z).collect()));
             }
         }
         let level = PRESLIDING_SHARE;
@@ -217,14 +202,39 @@ impl Motion<'_> {
         let mut rate = vec![0.0; x.len()];
         for j in 0..n {
             let own: Vec<f64> = x.iter().skip(j).step_by(n).copied().collect();
-            let own =
-                if self.observation.periodic { differences_periodic(&own, step) } else { differences(&own, step) }.0;
+            let own = self.samples.experiments().flat_map(|(range, of)| {
+                let own = &own[range];
+                if of.period_s.is_some() { differences_periodic(own, step).0 } else { differences(own, step).0 }
+            });
             for (to, own) in rate.iter_mut().skip(j).step_by(n).zip(own) {
                 *to = own;
             }
         }
         rate
     }
+}
+
+/// The state z of presliding along positions of one joint, which may be a period.
+fn displacement(q: &[f64], distance: f64, is_periodic: bool) -> Vec<f64> {
+    let Some(&last) = q.last() else { return Vec::new() };
+    let mut z = 0.0_f64;
+    let mut slide = |k: usize| {
+        let moved = match k.checked_sub(1) {
+            Some(before) => q[k] - q[before],
+            None if is_periodic => q[k] - last,
+            None => 0.0,
+        };
+        let sliding = if moved == 0.0 { 0.0 } else { moved.signum() };
+        z = sliding + (z - sliding) * libm::exp(-moved.abs() / distance);
+        z
+    };
+    if is_periodic {
+        // Once around, so that the period begins as it ends.
+        for k in 0..q.len() {
+            slide(k);
+        }
+    }
+    (0..q.len()).map(slide).collect()
 }
 
 /// How much of Coulomb friction there is at a speed.
