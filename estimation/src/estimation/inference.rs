@@ -132,7 +132,9 @@ impl Inference<'_> {
                 beyond.extend(shown.findings);
                 found = Some(shown.covariance);
             }
-            beyond.extend(misfit);
+            // Errors of the measured motion make a misfit too, which widens the intervals and is no finding.
+            let motion = equations.omitted.as_ref().and_then(|omitted| omitted.motion.as_ref());
+            beyond.extend(misfit.into_iter().filter(|finding| is_beyond_motion(finding, motion)));
         }
         if let Some(omitted) = &equations.omitted {
             covariance += omitted.covariance(observation, self.fit, self.instruments)?;
@@ -296,6 +298,16 @@ impl Inference<'_> {
         }
         findings
     }
+}
+
+/// Whether a residual is large beside noise and what errors of the measured motion add to it.
+fn is_beyond_motion(finding: &Finding, motion: Option<&NoiseModel>) -> bool {
+    let (Finding::ResidualAboveNoise { joint, residual_rms, expected_rms, .. }, Some(motion)) = (finding, motion)
+    else {
+        return true;
+    };
+    let by_motion = motion.covariance()[(joint - 1, joint - 1)];
+    *residual_rms > LARGE_RESIDUAL * (expected_rms * expected_rms + by_motion).sqrt()
 }
 
 /// What the equations show that the model lacks.

@@ -94,7 +94,7 @@ pub use measured::Measured;
 pub use model_fit::{BodyOrigin, ModelFit, ModelGuess, PriorWeight, fit_model};
 pub use observation::Observation;
 pub use payload::{NegativeMass, NegativeMassCause, Payload, PayloadBody, PayloadParameter, payload};
-pub use pooled::{Pooled, pool};
+pub use pooled::{Pooled, Together, pool};
 pub use position_servo::{PositionServo, ServoEstimate, ServoPart, interpolate};
 pub use prediction::{Model, Validation, predict, validate};
 pub use problem::EstimationProblem;

@@ -9,7 +9,8 @@
 //! w_k is proportional to the root of the trace of part k in units of standard deviations. So one motion that is repeated keeps its error.
 //!
 //! How large the laws are that a model omits, one experiment says less well than all. Where an estimate by the equations of all is given, L is
-//! its part beyond noise, and D_k is zero in experiments that show no lack of fit.
+//! its part beyond noise, and D_k is zero in experiments that show nothing beyond noise. Where motions differ it is zero too in those that show no
+//! more than errors of the measured motion explain: another motion has other errors, and L has them.
 //!
 //! Where estimates differ at 5 % by more than the C_k say, `χ² = Σ_k (β̂_k − β̂)ᵀ C_k⁻¹ (β̂_k − β̂)`, the covariance is widened by χ²
 //! over its degrees of freedom, b (K − 1) of K experiments. For a linear model and D_k = 0, nothing is lost against one fit of all data.
@@ -37,17 +38,26 @@ pub struct Pooled {
     pub widened_by: f64,
 }
 
-/// Pools estimates of the same base parameters of one arm, in the order of the experiments. `together` is by the equations of all.
+/// What all experiments say together.
+#[derive(Clone, Copy, Debug)]
+pub struct Together<'a> {
+    /// The estimate by the equations of all.
+    pub estimate: &'a Estimate,
+    /// Whether each experiment has a motion of its own, and with it errors of the measured motion of its own.
+    pub do_motions_differ: bool,
+}
+
+/// Pools estimates of the same base parameters of one arm, in the order of the experiments.
 ///
 /// # Errors
 /// [`EstimationError::Count`] of none, [`EstimationError::OtherRobot`] and [`EstimationError::OtherBase`] where they are of different
 /// things, [`EstimationError::NotDefinite`] where a covariance is not positive definite.
-pub fn pool(estimates: &[&Estimate], together: Option<&Estimate>) -> Result<Pooled, EstimationError> {
+pub fn pool(estimates: &[&Estimate], together: Option<Together<'_>>) -> Result<Pooled, EstimationError> {
     let Some(&last) = estimates.last() else {
         return Err(EstimationError::Count { quantity: "estimates to pool", found: 0, expected: 1 });
     };
     let names = last.names();
-    for estimate in estimates.iter().copied().chain(together) {
+    for estimate in estimates.iter().copied().chain(together.map(|of| of.estimate)) {
         if estimate.robot != last.robot {
             return Err(EstimationError::OtherRobot { first: last.robot.clone(), second: estimate.robot.clone() });
         }
@@ -60,7 +70,11 @@ pub fn pool(estimates: &[&Estimate], together: Option<&Estimate>) -> Result<Pool
     let unit = last.std();
     let scaled = |m: &DMatrix<f64>| DMatrix::from_fn(b, b, |i, j| m[(i, j)] / (unit[i] * unit[j]));
     let values: Vec<DVector<f64>> = estimates.iter().map(|of| of.beta().component_div(&unit)).collect();
-    let fits = |of: &Estimate| together.is_some() && of.interval_basis == IntervalBasis::Scatter;
+    let lacks_fit = |of: &Estimate| of.findings.iter().any(|finding| matches!(finding, Finding::LackOfFit { .. }));
+    let fits = |of: &Estimate| {
+        let shows_nothing = of.interval_basis == IntervalBasis::Scatter;
+        together.is_some_and(|all| shows_nothing || (all.do_motions_differ && !lacks_fit(of)))
+    };
     let own = |of: &Estimate| if fits(of) { of.noise_covariance_matrix() } else { of.covariance_matrix() };
     let known = estimates.iter().map(|of| definite_inverse(&scaled(&own(of))));
     let known: Vec<DMatrix<f64>> = known.collect::<Option<_>>().ok_or(EstimationError::NotDefinite)?;
@@ -82,7 +96,7 @@ pub fn pool(estimates: &[&Estimate], together: Option<&Estimate>) -> Result<Pool
     let errors = parts.iter().zip(&roots).filter(|(_, root)| **root > 0.0);
     let mut covariance = errors.fold(noise.clone(), |sum, (part, root)| sum + part * (all / root));
     if let Some(all) = together {
-        covariance += scaled(&(all.covariance_matrix() - all.noise_covariance_matrix()));
+        covariance += scaled(&(all.estimate.covariance_matrix() - all.estimate.noise_covariance_matrix()));
     }
 
     let chi_squared: f64 =
@@ -106,14 +120,20 @@ pub fn pool(estimates: &[&Estimate], together: Option<&Estimate>) -> Result<Pool
         let (value, std) = (value[i] * unit[i], covariance[(i, i)].max(0.0).sqrt());
         BaseEstimate { value, std, ci95: [value - t * std, value + t * std], ..of.clone() }
     });
-    let is_of_law = |finding: &&Finding| matches!(finding, Finding::EffectShown { .. });
     let mut findings = last.findings.clone();
     if let Some(all) = together {
-        findings.retain(|finding| !is_of_law(&finding));
-        findings.extend(all.findings.iter().filter(is_of_law).cloned());
+        findings.retain(|finding| !matches!(finding, Finding::EffectShown { .. }));
+        let is_new = |finding: &&Finding| match finding {
+            Finding::EffectShown { .. } => true,
+            Finding::LackOfFit { joint, .. } => {
+                !last.findings.iter().any(|of| matches!(of, Finding::LackOfFit { joint: of, .. } if of == joint))
+            }
+            _ => false,
+        };
+        findings.extend(all.estimate.findings.iter().filter(is_new).cloned());
     }
     let estimate = Estimate {
-        effects: together.map_or_else(Vec::new, |all| all.effects.clone()),
+        effects: together.map_or_else(Vec::new, |all| all.estimate.effects.clone()),
         findings,
         base: base.collect(),
         noise_covariance: if noise == covariance { Vec::new() } else { symmetric_rows_of(noise) },
@@ -199,17 +219,33 @@ mod tests {
     #[test]
     fn identity_laws_are_as_large_as_all_experiments_together_say() {
         let b = base().rank();
-        let (noise, each, all) = (definite(b, 5), definite(b, 6), definite(b, 7));
+        let (noise, each, all_errors) = (definite(b, 5), definite(b, 6), definite(b, 7));
         let zero = DVector::zeros(b);
-        let one = with_error(&zero, &noise, &each);
-        let found = pool(&[&one, &one], Some(&with_error(&zero, &noise, &all))).unwrap().estimate;
-        let expected = &noise / 2.0 + &all;
-        assert!((found.covariance_matrix() - &expected).norm() < 1e-9 * expected.norm());
-        // One that lacks fit keeps its own error.
-        let lacking = Estimate { interval_basis: IntervalBasis::Discrepancy, ..one.clone() };
-        let found = pool(&[&lacking, &lacking], Some(&with_error(&zero, &noise, &all))).unwrap().estimate;
-        let expected = expected + &each;
-        assert!((found.covariance_matrix() - &expected).norm() < 1e-9 * expected.norm());
+        let (one, all) = (with_error(&zero, &noise, &each), with_error(&zero, &noise, &all_errors));
+        let found = |one: &Estimate, do_motions_differ| {
+            let together = Some(Together { estimate: &all, do_motions_differ });
+            pool(&[one, one], together).unwrap().estimate.covariance_matrix()
+        };
+        let is_near = |found: DMatrix<f64>, expected: DMatrix<f64>| (found - &expected).norm() < 1e-9 * expected.norm();
+        let expected = &noise / 2.0 + &all_errors;
+        for do_motions_differ in [true, false] {
+            assert!(is_near(found(&one, do_motions_differ), expected.clone()));
+        }
+        // What repeats in one keeps its size where the motion is the same, or the fit lacks.
+        let repeats = Estimate { interval_basis: IntervalBasis::Discrepancy, ..one };
+        assert!(is_near(found(&repeats, false), &expected + &each));
+        assert!(is_near(found(&repeats, true), expected.clone()));
+        let lacks = Finding::LackOfFit {
+            joint: 1,
+            beyond_noise_rms: 1.0,
+            noise_rms: 1.0,
+            torque_rms: 1.0,
+            p_adjusted: 0.01,
+            most: None,
+            unit: "N·m".to_owned(),
+        };
+        let lacking = Estimate { findings: vec![lacks], ..repeats };
+        assert!(is_near(found(&lacking, true), &expected + &each));
     }
 
     #[test]

@@ -17,6 +17,8 @@
 //! Source: R. Pintelon, J. Schoukens, *System Identification*, Wiley, 2012, chapter 8, for errors of a measured input as noise of the
 //! equations.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use crate::dynamics::States;
@@ -24,7 +26,7 @@ use crate::estimation::observation::Observation;
 use crate::linalg::product;
 use crate::model::Robot;
 use crate::regressor::JointTorqueRegressor;
-use crate::signal::{NoiseModel, Samples};
+use crate::signal::{JoinedExperiment, NoiseModel, Samples};
 
 /// Blocks at which torque is differentiated by the motion, at most.
 const PLACES: usize = 256;
@@ -37,56 +39,81 @@ struct JointErrors {
     squares: [DMatrix<f64>; 2],
 }
 
-/// That noise of the torque that the parameters `beta` (b) give along the samples of one period; `None` where the noise of the positions'
-/// harmonics is not known.
+/// That noise of the torque that the parameters `beta` (b) give along the samples, each experiment one period; `None` where the noise of the
+/// positions' harmonics is not known. Of experiments that are joined it is the mean.
 pub(in crate::estimation) fn motion_noise(
     robot: &Robot,
     observation: &Observation,
     samples: &Samples,
     beta: &DVector<f64>,
 ) -> Option<NoiseModel> {
-    let (n, blocks) = (observation.dof, observation.samples());
-    let period_s = samples.period_s?;
-    if samples.position_floor.len() != n || samples.blocks() != blocks {
+    if samples.blocks() != observation.samples() {
         return None;
     }
-    let slopes = TorqueSlopes::new(robot, observation, samples, beta);
-    let joint = |j| {
-        let powers = powers(samples, period_s, j);
-        let deviation = powers.iter().map(|power| power[0]).sum::<f64>().sqrt();
-        JointErrors { powers, squares: slopes.squares(j, deviation) }
-    };
-    let joints: Vec<JointErrors> = (0..n).map(joint).collect();
-    let cosines: Vec<f64> = (0..blocks).map(|k| libm::cos(std::f64::consts::TAU * k as f64 / blocks as f64)).collect();
+    let of = |(range, of)| MotionErrors::new(&TorqueSlopes::new(robot, observation, samples, beta, range), &of);
+    let each: Vec<MotionErrors> = samples.experiments().map(of).collect::<Option<_>>()?;
+    let all: usize = each.iter().map(|of| of.cosines.len()).sum();
+    let shortest = each.iter().map(|of| of.cosines.len()).min()?;
     let lag = |l: usize| {
-        let mut sum = DMatrix::zeros(n, n);
-        for joint in &joints {
+        let parts = each.iter().map(|of| of.lag(l) * (of.cosines.len() as f64 / all as f64));
+        parts.fold(DMatrix::zeros(observation.dof, observation.dof), |sum, part| sum + part)
+    };
+    Some(NoiseModel::known(lag, shortest / 2))
+}
+
+/// What errors of the motion do in one experiment.
+struct MotionErrors {
+    joints: Vec<JointErrors>,
+    /// cos(2π k/M) for each of M blocks.
+    cosines: Vec<f64>,
+}
+
+impl MotionErrors {
+    fn new(slopes: &TorqueSlopes<'_>, of: &JoinedExperiment) -> Option<Self> {
+        let period_s = of.period_s?;
+        let blocks = of.samples / slopes.block;
+        if of.position_floor.len() != slopes.observation.dof || blocks == 0 {
+            return None;
+        }
+        let joint = |j| {
+            let powers = powers(of, slopes.block, period_s, j);
+            let deviation = powers.iter().map(|power| power[0]).sum::<f64>().sqrt();
+            JointErrors { powers, squares: slopes.squares(j, deviation) }
+        };
+        let cosine = |k| libm::cos(std::f64::consts::TAU * k as f64 / blocks as f64);
+        let joints = (0..slopes.observation.dof).map(joint).collect();
+        Some(Self { joints, cosines: (0..blocks).map(cosine).collect() })
+    }
+
+    fn lag(&self, l: usize) -> DMatrix<f64> {
+        let mut sum: Option<DMatrix<f64>> = None;
+        for joint in &self.joints {
             let mut shares = [0.0; 2];
             for (h, powers) in (1..).zip(&joint.powers) {
-                let cosine = cosines[h * l % blocks];
+                let cosine = self.cosines[h * l % self.cosines.len()];
                 shares[0] += powers[0] * cosine;
                 shares[1] += powers[1] * cosine;
             }
             for (squares, share) in joint.squares.iter().zip(shares) {
-                sum += squares * share;
+                let part = squares * share;
+                sum = Some(sum.map_or_else(|| part.clone(), |sum| sum + &part));
             }
         }
-        sum
-    };
-    Some(NoiseModel::known(lag, blocks / 2))
+        sum.unwrap_or_default()
+    }
 }
 
 /// Powers of the errors of a block's mean velocity and acceleration of joint j, at each harmonic.
-fn powers(samples: &Samples, period_s: f64, j: usize) -> Vec<[f64; 2]> {
-    let block = samples.block as f64;
-    let last = samples.position_band_hz[j] * period_s;
-    (1..samples.len().div_ceil(2))
+fn powers(of: &JoinedExperiment, block: usize, period_s: f64, j: usize) -> Vec<[f64; 2]> {
+    let block = block as f64;
+    let last = of.position_band_hz[j] * period_s;
+    (1..of.samples.div_ceil(2))
         .map(|h| {
             let left_out = if h as f64 > last { (last / h as f64).powi(6) } else { 1.0 };
-            let phase = std::f64::consts::PI * h as f64 / samples.len() as f64;
+            let phase = std::f64::consts::PI * h as f64 / of.samples as f64;
             let mean = libm::sin(phase * block) / (block * libm::sin(phase));
             // A line of amplitude A has the power A²/2.
-            let position = 0.5 * samples.position_floor[j] * left_out * mean * mean;
+            let position = 0.5 * of.position_floor[j] * left_out * mean * mean;
             let square = (std::f64::consts::TAU * h as f64 / period_s).powi(2);
             [position * square, position * square * square]
         })
@@ -98,6 +125,8 @@ struct TorqueSlopes<'a> {
     observation: &'a Observation,
     regressor: JointTorqueRegressor,
     beta: &'a DVector<f64>,
+    /// Samples in a block.
+    block: usize,
     /// Which blocks.
     places: Vec<usize>,
     /// Their states, each at the middle of its block.
@@ -105,15 +134,23 @@ struct TorqueSlopes<'a> {
 }
 
 impl<'a> TorqueSlopes<'a> {
-    fn new(robot: &Robot, observation: &'a Observation, samples: &Samples, beta: &'a DVector<f64>) -> Self {
-        let blocks = observation.samples();
-        let places: Vec<usize> = (0..blocks).step_by(blocks.div_ceil(PLACES).max(1)).collect();
+    /// Along the blocks of a range of samples.
+    fn new(
+        robot: &Robot,
+        observation: &'a Observation,
+        samples: &Samples,
+        beta: &'a DVector<f64>,
+        range: Range<usize>,
+    ) -> Self {
+        let blocks = range.start / samples.block..range.end / samples.block;
+        let step = blocks.len().div_ceil(PLACES).max(1);
+        let places: Vec<usize> = blocks.step_by(step).collect();
         let mut states = States::new(observation.dof);
         for place in &places {
             let k = place * samples.block + samples.block / 2;
             states.push(samples.states.q(k), samples.states.qd(k), samples.states.qdd(k));
         }
-        Self { observation, regressor: observation.joint_regressor(robot), beta, places, states }
+        Self { observation, regressor: observation.joint_regressor(robot), beta, block: samples.block, places, states }
     }
 
     /// Means of a aᵀ and b bᵀ of joint j, n × n, by errors of its velocity with this deviation: what they do also where friction bends.

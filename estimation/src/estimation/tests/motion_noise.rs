@@ -57,6 +57,10 @@ fn analytic_noise_of_the_motion_is_that_of_torque_along_a_motion_with_errors() {
     let observation = Observation::new(&robot, &regressor, &base, &samples).unwrap();
     let beta: DVector<f64> = base.beta(&parameters.vector(&robot, regressor.columns()));
     let noise = motion_noise(&robot, &observation, &samples, &beta).unwrap();
+    let twice = Samples::join(vec![samples.clone(), samples.clone()]).unwrap();
+    let observation = Observation::new(&robot, &regressor, &base, &twice).unwrap();
+    let of_both = motion_noise(&robot, &observation, &twice, &beta).unwrap();
+    assert!((of_both.covariance() - noise.covariance()).norm() < 1e-9 * noise.covariance().norm());
 
     let mut arm = Dynamics::new(&robot, &parameters);
     let mut torque = |states: &States| {
