@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use armid::base::{Method, reduce};
-use armid::estimation::{Estimate, EstimatorKind, Pooled, Termination, pool};
+use armid::estimation::{Estimate, EstimatorKind, Pooled, Termination, Together, pool};
 use armid::model::Columns;
 use armid::model::format::ChainEnds;
 use armid::observer::Observer;
 use armid::remedy::{Remedy, Setting};
 use armid::seed::Seed;
+use armid::signal::{NoiseModel, Samples};
 use armid_io::estimate::{check_robot, read};
 use armid_io::inputs::RobotSource;
 use armid_io::output::{pretty, write_text};
@@ -135,6 +136,7 @@ impl Campaign {
     fn add(&mut self, round: Round, estimate: Estimate, together: &Estimate) -> Result<(), Error> {
         self.estimates.push(estimate);
         let all: Vec<&Estimate> = self.estimates.iter().collect();
+        let together = Together { estimate: together, do_motions_differ: !self.settings.repeats };
         let pooled = pool(&all, Some(together))
             .map_err(|error| Error::new(format!("{}: {error}", round.estimate().display())))?;
         let chance = chance_of_a_look(self.settings.most_rounds);
@@ -242,8 +244,15 @@ impl Campaign {
         }
         alike.push(last.clone());
         of_alike.push(inputs.clone());
+        let parts: Vec<&Samples> = alike.iter().map(|log| &log.samples).collect();
+        // Scatter over the periods of each; without it the residual says what noise is.
+        let noise =
+            parts.iter().filter(|of| !of.is_noise_free()).filter_map(|of| Some((of.noise.as_ref()?, of.blocks())));
+        let noise = Some(noise.collect::<Vec<_>>()).filter(|each| each.len() == parts.len());
+        let noise = noise.and_then(|each| NoiseModel::mean(&each));
+        let periods = parts.iter().map(|of| of.periods).min().unwrap_or(1);
         let mut all = ProcessedLog::join(alike)?;
-        (all.samples.noise, all.samples.torque_covariance) = (None, None);
+        (all.samples.noise, all.samples.torque_covariance, all.samples.periods) = (noise, None, periods);
         // A recording holds its robot, and does not say what it was called.
         let text = |key: &str| self.settings.experiment.get(key).and_then(Value::as_str).map(str::to_owned);
         let [name, base_link, tip_link] = ["robot", "base_link", "tip_link"].map(text);
