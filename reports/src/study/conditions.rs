@@ -36,21 +36,21 @@ pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentEr
     let estimator = input.result.shown_estimator();
     let mut section = Section::new("Does it hold in other scenarios?");
     if compared {
-        section = section
-            .text("Every run of every design is performed in every scenario with the same noise.")
-            .figure(&by_condition(parts, estimator))?
-            .table(comparisons(parts, estimator));
+        section = section.text("Every run of every design is performed in every scenario with the same noise.");
+        section = with_figure(section, &by_condition(parts, estimator))?.table(comparisons(parts, estimator));
     }
     if drawn && parts.len() <= MOST {
         section = section.text("Each arm has other parameters that are physically possible. All designs are performed on the same arms, which are the units of the intervals.");
-        let figure = over_truths(parts, estimator, input.result.drawn_truths.len());
-        // One arm gives no interval.
-        if figure.rows.iter().any(|row| row.cells.iter().any(Option::is_some)) {
-            section = section.figure(&figure)?;
-        }
+        section = with_figure(section, &over_truths(parts, estimator, input.result.drawn_truths.len()))?;
         section = section.table(truths(parts, estimator));
     }
     Ok(Some(section))
+}
+
+/// With a figure, where it shows an interval: one arm gives none, nor does one criterion whose fits succeed.
+fn with_figure(section: Section, figure: &IntervalFigure) -> Result<Section, DocumentError> {
+    let is_shown = figure.rows.iter().any(|row| row.cells.iter().any(Option::is_some));
+    if is_shown { section.figure(figure) } else { Ok(section) }
 }
 
 /// Many conditions, where the study compares with one family alone: each other family against it, condition by condition.
@@ -63,10 +63,7 @@ fn beside_one_family(input: &ReportInput) -> Result<Option<Section>, DocumentErr
     let mut section = Section::new("Does it hold in other scenarios?")
         .text("Every run of every design is performed in every scenario with the same noise.");
     for metric in SHOWN {
-        let figure = against(parts, reference, metric, estimator);
-        if figure.rows.iter().any(|row| row.cells.iter().any(Option::is_some)) {
-            section = section.figure(&figure)?;
-        }
+        section = with_figure(section, &against(parts, reference, metric, estimator))?;
     }
     Ok(Some(section.table(comparisons(parts, estimator))))
 }
