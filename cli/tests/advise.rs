@@ -36,8 +36,8 @@ fn advice_on_a_urdf_names_what_it_assumed_and_its_experiment_runs() {
 
     let candidates = answer["candidates"].as_array().expect("candidates");
     assert_eq!(candidates.len(), 12, "six designs with two estimators: no term is for effects of direct drives");
-    let median = |candidate: &serde_json::Value| candidate["error"]["median"].as_f64().expect("a median");
-    assert!(candidates.windows(2).all(|pair| median(&pair[0]) <= median(&pair[1])), "the best comes first");
+    let expected = |candidate: &serde_json::Value| candidate["expected"].as_f64().expect("a number");
+    assert!(candidates.windows(2).all(|pair| expected(&pair[0]) <= expected(&pair[1])), "the best comes first");
     let assumed: Vec<&str> = answer["assumptions"].as_array().unwrap().iter().filter_map(|one| one.as_str()).collect();
     assert_eq!(assumed.len(), 4, "{assumed:?}");
     // What the model omits adds to the error, whatever the candidate.
@@ -51,7 +51,7 @@ fn advice_on_a_urdf_names_what_it_assumed_and_its_experiment_runs() {
     let other = asked.map(|word| if word == "direct" { "belt" } else { word });
     assert!(stderr(&armid(other).code(2)).contains("another"), "a folder with another study is refused");
     let longer = |key: &str| answer["longer"][key].as_f64().expect("a number");
-    assert!(longer("floor") <= longer("median") && longer("median") <= median(&candidates[0]));
+    assert!(longer("floor") <= longer("expected") && longer("expected") <= expected(&candidates[0]));
 
     // A log with repeated periods gives noise, and sizes of what it was tested for.
     let periodic = folder.path().join("log.mcap").display().to_string();

@@ -176,7 +176,7 @@ impl AdvicePlan {
         let designs = Self::DESIGNS.map(|(name, criterion, speed)| {
             let slower = if speed < 1.0 { format!("rms_speed = {speed:?}\n") } else { String::new() };
             format!(
-                "\n[[design]]\nname = \"{name}\"\nmaking = \"optimised\"\ncriterion = \"{criterion}\"\n{slower}starts = 2\nevaluations = 200\n"
+                "\n[[design]]\nname = \"{name}\"\nmaking = \"optimised\"\ncriterion = \"{criterion}\"\n{slower}starts = 1\nevaluations = 600\n"
             )
         });
         format!(

@@ -115,7 +115,7 @@ def performed(robots, folder, number):
     rows = pyarrow.parquet.read_table(folder / "arm/runs.parquet").to_pylist()
     errors = {(row["family"], row["estimator"]): row["measured_rmse_nm"] for row in rows if row["run"] == ADVISED and row["design"] in starts}
     candidates = [{"name": [one["design"], one["estimator"]], "error": errors.get((one["design"], one["estimator"])),
-                   "low": one["error"]["low"], "median": one["error"]["median"], "high": one["error"]["high"]} for one in said["candidates"]]
+                   "expected": one["expected"], "low": one["error"]["low"], "high": one["error"]["high"]} for one in said["candidates"]]
     return {"urdf": Path(urdf).stem, "drive": drive, "outside": outside, "effects": effects, "seconds": round(seconds, 1), "candidates": candidates}
 
 
@@ -125,12 +125,12 @@ def summed_up(entries):
     for entry in entries:
         candidates = [one for one in entry["candidates"] if one["error"] is not None]
         advised, best = entry["candidates"][0], min(one["error"] for one in candidates)
-        if advised["error"] is None:
-            continue
+        # Advice that gives no estimate is wrong.
+        error = float("inf") if advised["error"] is None else advised["error"]
         holds = [one["low"] <= one["error"] <= one["high"] for one in candidates]
-        found.append({"urdf": entry["urdf"], "outside": entry["outside"], "holds": advised["low"] <= advised["error"] <= advised["high"],
-                      "over_median": advised["error"] / advised["median"], "of_all": sum(holds) / len(holds),
-                      "over_best": advised["error"] / best, "worst": max(one["error"] for one in candidates) / best})
+        found.append({"urdf": entry["urdf"], "outside": entry["outside"], "holds": advised["low"] <= error <= advised["high"],
+                      "over_expected": error / advised["expected"], "of_all": sum(holds) / len(holds),
+                      "over_best": error / best, "worst": max(one["error"] for one in candidates) / best})
     def share(of, test):
         return [sum(map(test, of)), len(of)]
     groups = {"all": found, "inside": [one for one in found if not one["outside"]], "outside": [one for one in found if one["outside"]]}

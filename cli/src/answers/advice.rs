@@ -24,10 +24,10 @@ pub(crate) fn advice_text(answer: &AdviceAnswer) -> String {
         best.design,
         significant(answer.duration_s, 4),
         best.estimator,
-        spread(&best.error, unit)
+        expected(best, unit)
     );
     if let Some(longer) = &answer.longer {
-        let [then, floor] = [longer.median, longer.floor].map(|value| significant(value, 3));
+        let [then, floor] = [longer.expected, longer.floor].map(|value| significant(value, 3));
         let _ = writeln!(text, "  an hour more would give: {then} {unit}; no time takes away {floor} {unit}");
     }
     let shown = answer.parameters - answer.poorly_determined.len();
@@ -85,23 +85,31 @@ pub(crate) fn advice_text(answer: &AdviceAnswer) -> String {
 /// A row for each candidate: over all levels, and at each.
 fn table(answer: &AdviceAnswer) -> Table {
     let levels = answer.candidates.first().map_or(&[][..], |best| &best.by_level);
-    let mut headings = "motion | estimator | #median | #5 % | #95 % | #over the best, 95 %".to_owned();
+    let mut headings = "motion | estimator | #expected | #5 % | #95 % | #over the best, 95 %".to_owned();
+    if has_failed(answer) {
+        headings.push_str(" | #failed runs");
+    }
     for (level, _) in levels {
         let _ = write!(headings, " | #{level}");
     }
     let mut table = Table::of(&headings);
     for candidate in answer.candidates.iter().take(SHOWN) {
-        table.row(row(candidate, levels));
+        table.row(row(candidate, levels, has_failed(answer)));
     }
     table
 }
 
-fn row(candidate: &Candidate, levels: &[(String, Spread)]) -> Vec<String> {
+fn has_failed(answer: &AdviceAnswer) -> bool {
+    answer.candidates.iter().any(|candidate| candidate.failed > 0)
+}
+
+fn row(candidate: &Candidate, levels: &[(String, Spread)], has_failed: bool) -> Vec<String> {
     let of = &candidate.error;
     let mut cells = vec![candidate.design.clone(), candidate.estimator.clone()];
-    cells.extend([of.median, of.low, of.high].map(|value| significant(value, 3)));
+    cells.extend([candidate.expected, of.low, of.high].map(|value| significant(value, 3)));
     let ratio = candidate.over_best.map(|of| format!("{} to {}", significant(of.low, 3), significant(of.high, 3)));
     cells.push(ratio.unwrap_or_else(|| "–".to_owned()));
+    cells.extend(has_failed.then(|| candidate.failed.to_string()));
     cells.extend(levels.iter().map(|(level, _)| {
         let found = candidate.by_level.iter().find(|(name, _)| name == level);
         found.map_or_else(|| "–".to_owned(), |(_, spread)| significant(spread.median, 3))
@@ -109,9 +117,10 @@ fn row(candidate: &Candidate, levels: &[(String, Spread)]) -> Vec<String> {
     cells
 }
 
-fn spread(spread: &Spread, unit: &str) -> String {
-    let [median, low, high] = [spread.median, spread.low, spread.high].map(|value| significant(value, 3));
-    format!("{median} {unit} (90 % of the simulated runs: {low} to {high})")
+fn expected(candidate: &Candidate, unit: &str) -> String {
+    let [expected, low, high] =
+        [candidate.expected, candidate.error.low, candidate.error.high].map(|value| significant(value, 3));
+    format!("{expected} {unit} (90 % of the simulated runs: {low} to {high})")
 }
 
 /// What decides, and its unit.

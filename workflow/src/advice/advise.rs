@@ -87,8 +87,8 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
     let candidates = candidates(folder, &summary.result, settings, !made.shown.is_empty())?;
     let Some(best) = candidates.first() else {
         return Err(Error::new(format!(
-            "all {} runs of the study failed, expected one estimate at least",
-            summary.runs
+            "{} of {} runs of the study failed, expected a candidate that gives an estimate at every level of an arm",
+            summary.failed, summary.runs
         )));
     };
     let family = summary.result.plan.designs.iter().position(|design| design.name == best.design).unwrap_or(0);
@@ -168,18 +168,22 @@ fn candidates(
                 let runs = own().filter(|run| condition.is_none_or(|condition| run.condition == condition));
                 runs.filter_map(|run| run.value).collect::<Vec<f64>>()
             };
-            let Some(error) = Spread::new(&of(None)) else { continue };
             let levels = result.conditions.iter().map(|condition| &condition.condition.name);
+            let arms = by_arm(own().map(|run| (run.run, run.value)));
+            let Some((expected, error)) = expected(&arms).zip(Spread::new(&of(None))) else { continue };
             let by_level = levels.filter_map(|name| Some((name.clone(), Spread::new(&of(Some(name)))?))).collect();
             let (design, columns) = (design.name.clone(), AdvicePlan::columns_of(estimator).0);
             let estimator = estimator.clone();
-            all.push((Candidate { design, estimator, columns, error, over_best: None, by_level }, by_arm(own())));
+            let failed = own().filter(|run| run.value.is_none()).count();
+            let of_all = Candidate { design, estimator, columns, expected, failed, error, over_best: None, by_level };
+            all.push((of_all, arms));
         }
     }
-    all.sort_by(|(a, _), (b, _)| a.error.median.total_cmp(&b.error.median));
+    // An estimator that fails does so on the hard arms.
+    all.sort_by(|(a, _), (b, _)| a.failed.cmp(&b.failed).then_with(|| a.expected.total_cmp(&b.expected)));
     let best = all.first().map(|(_, arms)| arms.clone()).unwrap_or_default();
     for (candidate, arms) in all.iter_mut().skip(1) {
-        let logs: Vec<f64> = arms.iter().filter_map(|(arm, log)| Some(log - best.get(arm)?)).collect();
+        let logs: Vec<f64> = arms.iter().filter_map(|(arm, own)| Some(libm::log(own / best.get(arm)?))).collect();
         candidate.over_best = t_interval(&logs, 0.95).map(Interval::exponentiated);
     }
     Ok(all.into_iter().map(|(candidate, _)| candidate).collect())
@@ -189,28 +193,40 @@ fn candidates(
 fn longer(folder: &Path, best: &Candidate, purpose: Purpose, made: &AdvicePlan) -> Result<Option<Longer>, Error> {
     let without_effects = AdvicePlan::LEVELS[0].0;
     let is_own = |run: &RunValue| run.family == best.design && run.estimator == best.estimator;
-    let squares = |metric, is_meant: &dyn Fn(&str) -> bool| -> Result<Vec<f64>, Error> {
+    let squares = |metric, is_meant: &dyn Fn(&str) -> bool| -> Result<Vec<(usize, Option<f64>)>, Error> {
         let runs = run_values(folder, metric)?.into_iter().filter(|run| is_own(run) && is_meant(&run.condition));
-        Ok(runs.filter_map(|run| run.value).map(|value| value * value).collect())
+        Ok(runs.map(|run| (run.run, run.value.map(|value| value * value))).collect())
     };
     let noise = squares(purpose.noise_metric(), &|condition| condition == without_effects)?;
+    let noise: Vec<f64> = noise.into_iter().filter_map(|(_, square)| square).collect();
     let all = squares(purpose.metric(), &|condition| made.shown.is_empty() || condition != without_effects)?;
     let without = |share: f64| {
-        let left: Vec<f64> = all.iter().map(|all| (all - share * mean(&noise)).max(0.0).sqrt()).collect();
-        Spread::new(&left).filter(|_| !noise.is_empty()).map(|left| left.median)
+        let left = |square: f64| (square - share * mean(&noise)).max(0.0).sqrt();
+        let left = by_arm(all.iter().map(|&(arm, square)| (arm, square.map(left))));
+        expected(&left).filter(|_| !noise.is_empty())
     };
     let minutes = AdvicePlan::PERIOD_S * made.periods as f64 / 60.0;
     let found = without(MORE_MINUTES / (minutes + MORE_MINUTES)).zip(without(1.0));
-    Ok(found.map(|(median, floor)| Longer { minutes: MORE_MINUTES, median, floor }))
+    Ok(found.map(|(expected, floor)| Longer { minutes: MORE_MINUTES, expected, floor }))
 }
 
-/// Mean logarithm over levels and designs of each arm's errors.
-fn by_arm<'a>(runs: impl Iterator<Item = &'a RunValue>) -> BTreeMap<usize, f64> {
-    let mut logs: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    for (run, value) in runs.filter_map(|run| Some((run.run, run.value?))) {
-        logs.entry(run).or_default().push(libm::log(value));
+/// Mean over levels of each arm's errors; of arms that have an estimate at every level, since those that fail are the hard ones.
+fn by_arm(runs: impl Iterator<Item = (usize, Option<f64>)>) -> BTreeMap<usize, f64> {
+    let mut arms: BTreeMap<usize, Option<Vec<f64>>> = BTreeMap::new();
+    for (arm, value) in runs {
+        let all = arms.entry(arm).or_insert_with(|| Some(Vec::new()));
+        *all = all.take().zip(value).map(|(mut all, value)| {
+            all.push(value);
+            all
+        });
     }
-    logs.into_iter().map(|(run, logs)| (run, mean(&logs))).collect()
+    arms.into_iter().filter_map(|(arm, all)| Some((arm, mean(&all?)))).collect()
+}
+
+/// Geometric mean over arms; `None` of none.
+fn expected(arms: &BTreeMap<usize, f64>) -> Option<f64> {
+    let logs: Vec<f64> = arms.values().copied().map(libm::log).collect();
+    (!logs.is_empty()).then(|| libm::exp(mean(&logs)))
 }
 
 /// Parameters whose stated standard deviation is more than a third of their value, without effects.

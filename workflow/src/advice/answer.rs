@@ -15,12 +15,16 @@ pub struct Candidate {
     pub estimator: String,
     /// The columns that it estimates.
     pub columns: String,
+    /// What to expect of its error: the mean over levels of the effects, and of arms the geometric mean of theirs.
+    pub expected: f64,
+    /// Runs in which it gave no estimate. Arms of such runs are not in `expected`.
+    pub failed: usize,
     /// Its error over all arms and levels of the effects: 90 % of them are between `low` and `high`.
     pub error: Spread,
-    /// Its error over that of the best candidate on the same arms, with a 95 % interval by Student's t over arms: each arm counts by the
-    /// mean logarithm over levels. Of the best itself, and of fewer than two arms, `None`. Not adjusted for the number of candidates.
+    /// What to expect over that of the best candidate on the same arms, with a 95 % interval by Student's t over arms.
+    /// Of the best itself, and of fewer than two arms, `None`. Not adjusted for the number of candidates.
     pub over_best: Option<Interval>,
-    /// The error at each level.
+    /// The error at each level, over arms.
     pub by_level: Vec<(String, Spread)>,
 }
 
@@ -40,9 +44,9 @@ impl Candidate {
 pub struct Longer {
     /// How much more, min.
     pub minutes: f64,
-    /// The median error then.
-    pub median: f64,
-    /// What no more time would take away.
+    /// The error to expect then.
+    pub expected: f64,
+    /// What no more time would take away of it.
     pub floor: f64,
 }
 
@@ -61,7 +65,7 @@ pub struct AdviceAnswer {
     pub from_log: Vec<String>,
     /// What an hour more would give, by the runs of the best candidate.
     pub longer: Option<Longer>,
-    /// All candidates, the best first.
+    /// All candidates, the best first: those with the fewest failed runs, and of them that of which the least error is expected.
     pub candidates: Vec<Candidate>,
     /// Base parameters that the best candidate does not determine to within a third of their value.
     pub poorly_determined: Vec<String>,
