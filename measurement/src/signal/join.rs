@@ -151,6 +151,19 @@ mod tests {
     }
 
     #[test]
+    fn joined_experiments_have_the_samples_that_they_say() {
+        let all = Samples::join(vec![experiment(0.5, 4.0), experiment(0.3, 5.0)]).unwrap();
+        let changed = |change: &dyn Fn(&mut JoinedExperiment)| {
+            let mut wrong = all.clone();
+            change(&mut wrong.joined[0]);
+            wrong.check().unwrap_err()
+        };
+        assert!(all.check().is_ok());
+        assert!(changed(&|of| of.samples = usize::MAX).starts_with("joined has"));
+        assert!(changed(&|of| of.position_band_hz.clear()).contains("expected 1 entries each"));
+    }
+
+    #[test]
     fn identity_an_experiment_gives_up_what_is_behind_its_last_whole_block() {
         let blocks = |of: Samples| Samples { block: 150, used: vec![true; of.len() / 150], ..of };
         let all = Samples::join(vec![blocks(experiment(0.5, 4.0)), blocks(experiment(0.3, 5.0))]).unwrap();

@@ -85,11 +85,15 @@ crate::plain::checked_when_read!(Samples, |value| value.check().map(|()| value))
 
 impl Samples {
     /// Tables that have the size that they say.
-    fn check(&self) -> Result<(), String> {
+    pub(super) fn check(&self) -> Result<(), String> {
         let (n, samples) = (self.states.dof, self.states.len());
         if n == 0 || self.block == 0 || !(self.rate_hz.is_finite() && self.rate_hz > 0.0) {
             let (block, rate) = (self.block, self.rate_hz);
             return Err(format!("{n} joints, blocks of {block}, rate_hz {rate}, expected all above zero"));
+        }
+        let joined = self.joined.iter().fold(0_usize, |sum, of| sum.saturating_add(of.samples));
+        if self.joined.iter().any(|of| of.position_band_hz.len() != n || ![0, n].contains(&of.position_floor.len())) {
+            return Err(format!("bands or floors of joined experiments, expected {n} entries each"));
         }
         let sizes = [
             ("states.q", self.states.q.len(), samples * n),
@@ -106,11 +110,7 @@ impl Samples {
             ("rows of torque_covariance", self.torque_covariance.as_ref().map_or(n, DMatrix::nrows), n),
             ("columns of torque_covariance", self.torque_covariance.as_ref().map_or(n, DMatrix::ncols), n),
             ("joints of noise", self.noise.as_ref().map_or(n, NoiseModel::dof), n),
-            (
-                "joined",
-                if self.joined.is_empty() { samples } else { self.joined.iter().map(|of| of.samples).sum() },
-                samples,
-            ),
+            ("joined", if self.joined.is_empty() { samples } else { joined }, samples),
         ];
         match sizes.into_iter().find(|(_, found, expected)| found != expected) {
             Some((what, found, expected)) => {
