@@ -45,10 +45,15 @@ pub enum Purpose {
     Slow,
     /// The parameters themselves, in reference units.
     Parameters,
+    /// Those of friction and offsets, in reference units.
+    Friction,
+    /// Those of a load on the last link: what errors of the parameters look like there, in reference units.
+    Payload,
 }
 
 crate::input::named! { Purpose {
-    Torque: "torque", Simulation: "simulation", PointToPoint: "point-to-point", Slow: "slow", Parameters: "parameters"
+    Torque: "torque", Simulation: "simulation", PointToPoint: "point-to-point", Slow: "slow", Parameters: "parameters",
+    Friction: "friction", Payload: "payload"
 } }
 
 impl Purpose {
@@ -58,16 +63,16 @@ impl Purpose {
             Self::Torque | Self::Simulation => Metric::Prediction,
             Self::PointToPoint => Metric::PointToPoint,
             Self::Slow => Metric::Slow,
-            Self::Parameters => Metric::Reference,
+            Self::Parameters | Self::Friction | Self::Payload => Metric::Reference,
         }
     }
 
-    /// The metric that decides.
+    /// The metric that decides; of friction and a payload, the parameters that are theirs do.
     pub const fn metric(self) -> Metric {
         match self {
             Self::Torque | Self::PointToPoint | Self::Slow => Metric::Measured,
             Self::Simulation => Metric::Prediction,
-            Self::Parameters => Metric::Reference,
+            Self::Parameters | Self::Friction | Self::Payload => Metric::Reference,
         }
     }
 
@@ -76,7 +81,7 @@ impl Purpose {
         match self {
             Self::PointToPoint => "point-to-point",
             Self::Slow => "slow",
-            Self::Torque | Self::Simulation | Self::Parameters => "random",
+            Self::Torque | Self::Simulation | Self::Parameters | Self::Friction | Self::Payload => "random",
         }
     }
 }
@@ -107,14 +112,18 @@ impl AdvicePlan {
     pub const PERIOD_S: f64 = 10.0;
     /// Periods that are performed and not recorded.
     pub const DISCARDED_PERIODS: usize = 1;
-    /// Levels of the effects, in parts of the realistic one; each is as probable as the others.
+    /// Levels of the effects, in parts of the realistic one; each is as probable as the others. At the last, arms also have
+    /// [`AdvicePlan::UNFORESEEN`].
     pub const LEVELS: [(&'static str, f64); 4] =
-        [("no effects", 0.0), ("quarter level", 0.25), ("realistic level", 1.0), ("double level", 2.0)];
+        [("no effects", 0.0), ("realistic level", 1.0), ("double level", 2.0), ("and unforeseen", 2.0)];
+    /// An effect that no such drive is said to have: friction that differs between the directions. Real arms have effects that nobody
+    /// thought of, and a candidate that only suits the others would be chosen without it.
+    pub const UNFORESEEN: EffectKind = EffectKind::DirectionFriction;
     /// Estimators that are compared.
     pub const ESTIMATORS: [&'static str; 2] = ["wls", "irls-huber"];
     /// What the arms with [`AdvicePlan::shown`] have at each level.
     const WITH_SHOWN: [&'static str; 4] =
-        ["as in the log", "others at quarter level", "others at realistic level", "others at double level"];
+        ["as in the log", "others at realistic level", "others at double level", "and unforeseen"];
     /// Designs that are compared: their name, criterion, and largest RMS speed as a share of the speed limits.
     pub const DESIGNS: [(&'static str, &'static str, f64); 6] = [
         ("measured-torque", "measured-torque", 1.0),
@@ -146,20 +155,23 @@ impl AdvicePlan {
     /// log shows some: they show what noise does, and no candidate is chosen by them.
     pub fn levels(&self) -> Vec<(&'static str, Vec<(EffectKind, f64)>)> {
         let is_shown = |kind: &EffectKind| self.shown.iter().any(|(shown, _)| shown == kind);
-        let with = |part: f64| {
+        let with = |part: f64, is_last: bool| {
             let others = effects_of(self.drive).iter().filter(|kind| part > 0.0 && !is_shown(kind));
             let others = others.map(|&kind| (kind, part * kind.entry().realistic));
-            self.shown.iter().copied().chain(others).collect()
+            let is_open = is_last && !is_shown(&Self::UNFORESEEN);
+            let unforeseen = (Self::UNFORESEEN, Self::UNFORESEEN.entry().realistic);
+            self.shown.iter().copied().chain(others).chain(is_open.then_some(unforeseen)).collect()
         };
         let mut levels = Vec::new();
-        for ((name, part), with_shown) in Self::LEVELS.into_iter().zip(Self::WITH_SHOWN) {
+        for (k, ((name, part), with_shown)) in Self::LEVELS.into_iter().zip(Self::WITH_SHOWN).enumerate() {
+            let effects = with(part, k + 1 == Self::LEVELS.len());
             if self.shown.is_empty() {
-                levels.push((name, with(part)));
+                levels.push((name, effects));
             } else {
                 if part == 0.0 {
                     levels.push((name, Vec::new()));
                 }
-                levels.push((with_shown, with(part)));
+                levels.push((with_shown, effects));
             }
         }
         levels
@@ -184,7 +196,7 @@ impl AdvicePlan {
              name = \"advice\"\n\
              question = \"Which motion, and which estimator, for this arm?\"\n\
              robot = {robot}\nseed = {seed}\nruns = {arms}\n\n\
-             # No effect, and the effects that such drives may have at three levels; the model has none of them.\n\
+             # No effect, the effects that such drives may have at two levels, and one that they should not have; the model has none of them.\n\
              conditions = [\n{sets}\n]\ncondition_names = [{names}]\n\n\
              [experiment]\nperiod_s = {period:?}\nharmonics = 5\nrate_hz = {rate:?}\nperiods = {periods}\ndiscarded_periods = {discarded}\n\n\
              [identification]\ncolumns = \"{COLUMNS}\"\nderivatives = \"fourier\"\nsamples_per_period = 250\n\
@@ -244,6 +256,8 @@ mod tests {
             let plan = made.plan().unwrap();
             assert_eq!((plan.effect_sets.len(), plan.designs.len()), (4, 6));
             assert_eq!(plan.effect_sets[0], Effects::none());
+            assert_eq!(plan.effect_sets[2].magnitude(AdvicePlan::UNFORESEEN), 0.0, "{drive:?}");
+            assert!(plan.effect_sets[3].magnitude(AdvicePlan::UNFORESEEN) > 0.0);
             for (set, (_, part)) in plan.effect_sets.iter().zip(AdvicePlan::LEVELS) {
                 for &kind in effects_of(drive) {
                     assert_eq!(set.magnitude(kind), part * kind.entry().realistic);

@@ -7,7 +7,9 @@ Each arm has four targets: predicted torque, the Coulomb friction and the viscou
 share of what one D-optimal motion reaches in two rounds of a pilot; with --effect they are half of what errors of the model leave there. Arms
 have the noise of their currents, and neither counts nor effects unless --effect states one, so that noise is what is left. Every campaign is performed with redesign, target by target, and once with one motion repeated, which is looked at target by target. Finished
 campaigns are kept in DIR, and a shard performs every Nth one. Without any left, the table is printed: *time* is the geometric mean of seconds
-with redesign over those with repetition, *covered* the share of intervals at the end that hold the true value, with its 95 % interval.
+with redesign over those with repetition. A campaign that ends without the target counts with the time of all rounds, for redesign and
+repetition alike; repetition goes on until the last round. *covered* is the share of intervals at the end that hold the true value, with its
+95 % interval.
 """
 
 import argparse
@@ -93,12 +95,13 @@ def targets(arguments, arm):
     return stored(arguments.output / arm / "targets.json", pilot)
 
 
-def end(answer, index, limit):
-    """Where a campaign ends for one of its targets: the round, and whether the target is reached there."""
-    for round_ in answer["rounds"]:
+def end(answer, index, limit, most):
+    """When one of the targets of a campaign is reached, s: the time of all rounds where it is not; and whether it is."""
+    rounds = answer["rounds"]
+    for round_ in rounds:
         if round_["widths"][index]["half_width"] <= limit:
-            return round_, True
-    return answer["rounds"][-1], False
+            return round_["total_s"], True
+    return rounds[-1]["total_s"] + (most - len(rounds)) * rounds[-1]["seconds"], False
 
 
 def main():
@@ -112,7 +115,7 @@ def main():
     parser.add_argument("-o", "--output", type=Path, required=True)
     arguments = parser.parse_args()
     part, parts = map(int, arguments.shard.split("/"))
-    print("| arm | target | campaigns | rounds | time | covered | reached | out of reach |\n|---|---|---|---|---|---|---|---|")
+    print("| arm | target | campaigns | rounds | time | covered | reached | out of reach | reached by repetition |\n|---|---|---|---|---|---|---|---|---|")
     ratios, hits, count = [], 0, 0
     for arm in arguments.arms:
         until, true = targets(arguments, arm), truth(arm)
@@ -124,20 +127,19 @@ def main():
                 own = stored(arguments.output / arm / f"{seed}-{index}.json", lambda: campaign(arguments, arm, seed, [target], False))
                 name, bound = target.split(" <= ")
                 limit = float(bound.removesuffix(" %")) / (100.0 if bound.endswith("%") else 1.0)
-                last, width = own["rounds"][-1], own["rounds"][-1]["widths"][0]
+                width = own["rounds"][-1]["widths"][0]
                 covered = None if name == "torque" else abs(width["value"] - true[name]) <= width["half_width"]
-                other, reached = end(repeated, index, limit)
-                both = own["outcome"] == "reached" and reached
-                rows[index].append((len(own["rounds"]), math.log(last["total_s"] / other["total_s"]) if both else None, covered, own["outcome"]))
+                (seconds, _), (other, reached) = (end(of, place, limit, arguments.rounds) for of, place in ((own, 0), (repeated, index)))
+                rows[index].append((len(own["rounds"]), math.log(seconds / other), covered, own["outcome"], reached))
         for target, row in zip(until, rows, strict=True):
-            logs = [log for _, log, _, _ in row if log is not None]
-            seen = [covered for _, _, covered, _ in row if covered is not None]
-            outcomes = [outcome for *_, outcome in row]
-            ratios, hits, count = ratios + ([np.mean(logs)] if logs else []), hits + sum(seen), count + len(seen)
-            time = f"{math.exp(np.mean(logs)):.2f}" if logs else "–"
+            logs = [log for _, log, *_ in row]
+            seen = [covered for _, _, covered, *_ in row if covered is not None]
+            outcomes, repeats = [outcome for *_, outcome, _ in row], sum(reached for *_, reached in row)
+            ratios, hits, count = [*ratios, np.mean(logs)], hits + sum(seen), count + len(seen)
+            time = f"{math.exp(np.mean(logs)):.2f}"
             share = f"{np.mean(seen):.3f}" if seen else "–"
             rounds = np.median([rounds for rounds, *_ in row])
-            print(f"| {arm} | `{target}` | {len(row)} | {rounds:.0f} | {time} | {share} | {outcomes.count('reached')} | {outcomes.count('model-error')} |", flush=True)
+            print(f"| {arm} | `{target}` | {len(row)} | {rounds:.0f} | {time} | {share} | {outcomes.count('reached')} | {outcomes.count('model-error')} | {repeats} |", flush=True)
     if ratios and count:
         p, z = hits / count, 1.96
         middle, half = (p + z * z / 2 / count) / (1 + z * z / count), z * math.sqrt(p * (1 - p) / count + z * z / 4 / count**2) / (1 + z * z / count)

@@ -8,6 +8,7 @@ use std::path::Path;
 use armid::experiment::{Arm, Replay};
 use armid::model::format::ChainEnds;
 use armid::observer::Unobserved;
+use armid_io::estimate::read;
 use armid_io::recording::{FileSink, McapSink};
 use armid_io::{LogSettings, experiment};
 use armid_workflow::campaign::{Campaign, CampaignAnswer, CampaignSettings, Outcome, Step, experiment_table};
@@ -22,6 +23,14 @@ fn settings(until: &[&str]) -> CampaignSettings {
     let until = until.iter().map(|target| target.parse().unwrap()).collect();
     let usual = CampaignSettings::new(experiment, until);
     CampaignSettings { most_rounds: 6, period_s: 4.0, starts: 1, evaluations: 40, ..usual }
+}
+
+/// A campaign on an arm whose friction grows with its load.
+fn with_load_friction(size: f64, target: &str) -> CampaignSettings {
+    let mut wanted = settings(&[target]);
+    let effects = [("load-friction".to_owned(), Value::Float(size))].into_iter().collect();
+    wanted.experiment.insert("effects".to_owned(), Value::Table(effects));
+    wanted
 }
 
 /// Performs the next round; `false` where there is none.
@@ -92,13 +101,45 @@ fn identity_a_campaign_that_is_ended_after_every_step_has_the_bytes_of_one_in_a_
 #[test]
 fn errors_of_the_model_keep_a_target_out_of_reach_and_have_a_name() {
     let folder = tempfile::tempdir().unwrap();
-    let mut wanted = settings(&["torque <= 0.2 %"]);
-    let effects = [("load-friction".to_owned(), Value::Float(0.1))].into_iter().collect();
-    wanted.experiment.insert("effects".to_owned(), Value::Table(effects));
+    let wanted = CampaignSettings { adds_terms: false, ..with_load_friction(0.1, "torque <= 0.2 %") };
     let answer = whole(wanted, folder.path());
     assert_eq!(answer.outcome, Outcome::ModelError, "{answer:#?}");
     assert_eq!(answer.obstacles.len(), 1);
     assert!(answer.obstacles[0].effect.contains("load friction"), "{:?}", answer.obstacles);
+    assert!(answer.added_terms.is_empty());
+}
+
+#[test]
+fn a_term_that_the_logs_show_joins_the_model_of_all_rounds_after_a_kill_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut wanted = with_load_friction(0.05, "torque <= 0.9 %");
+    wanted.experiment.insert("ramp_s".to_owned(), Value::Float(0.75));
+    let mut campaign = Campaign::begin(wanted, folder.path()).unwrap();
+    assert!(perform(&mut campaign) && perform(&mut campaign));
+    let motion = std::fs::read_to_string(folder.path().join("rounds/02/trajectory.toml")).unwrap();
+    assert!(motion.contains("ramp_s = 0.75"), "limits hold on the ramps of the experiment: {motion}");
+    let names = ["01/together.json", "01/E.json", "02/together.json", "02/E.json"];
+    let places = names.map(|name| folder.path().join("rounds").join(name));
+    let without = places.each_ref().map(|place| std::fs::read(place).unwrap());
+    while perform(&mut campaign) {}
+    let answer = campaign.answer().unwrap();
+    assert_eq!(answer.outcome, Outcome::Reached, "{answer:#?}");
+    assert!(answer.added_terms.contains(&"load".to_owned()), "{:?}", answer.added_terms);
+    for round in 1..=answer.rounds.len() {
+        let estimate = read(&folder.path().join(format!("rounds/{round:02}/E.json"))).unwrap();
+        assert!(estimate.columns.contains("load") && estimate.names().contains(&"Fl1".to_owned()));
+    }
+
+    // As if it had been killed when the columns were written and no estimate was, and when only the first round was.
+    let bytes = files(folder.path());
+    for stale in [0, 2] {
+        for (place, without) in places.iter().zip(&without).skip(stale) {
+            std::fs::write(place, without).unwrap();
+        }
+        assert!(files(folder.path()) != bytes);
+        assert_eq!(Campaign::of_folder(folder.path()).unwrap().unwrap().answer().unwrap(), answer);
+        assert!(files(folder.path()) == bytes);
+    }
 }
 
 #[test]

@@ -5,12 +5,14 @@ use std::fmt::Write;
 use armid::number::significant;
 use armid::statistics::Spread;
 use armid::study::{AdvicePlan, Purpose};
-use armid_workflow::advice::{AdviceAnswer, Candidate};
+use armid_workflow::advice::{AdviceAnswer, Candidate, Undetermined};
 
 use crate::terminal::Table;
 
 /// Parameters that are named one by one.
 const NAMED: usize = 12;
+/// Time beyond which nobody measures, min.
+const MOST_MINUTES: f64 = 600.0;
 /// Candidates in the table.
 const SHOWN: usize = 12;
 
@@ -18,8 +20,14 @@ const SHOWN: usize = 12;
 pub(crate) fn advice_text(answer: &AdviceAnswer) -> String {
     let Some(best) = answer.candidates.first() else { return String::new() };
     let (measure, unit) = words(answer.purpose);
+    let plain = AdvicePlan::columns_of(&best.estimator).1;
+    let otherwise = if best.failed > 0 && plain != best.estimator {
+        format!(", or {plain} where that fails")
+    } else {
+        String::new()
+    };
     let mut text = format!(
-        "{}: the motion \"{}\" for {} s, estimated by {}\n\n  expected {measure}: {}\n",
+        "{}: the motion \"{}\" for {} s, estimated by {}{otherwise}\n\n  expected {measure}: {}\n",
         answer.robot,
         best.design,
         significant(answer.duration_s, 4),
@@ -37,10 +45,10 @@ pub(crate) fn advice_text(answer: &AdviceAnswer) -> String {
         answer.parameters
     );
     if !answer.poorly_determined.is_empty() {
-        let named: Vec<&str> = answer.poorly_determined.iter().take(NAMED).map(String::as_str).collect();
+        let named: Vec<String> = answer.poorly_determined.iter().take(NAMED).map(time_for).collect();
         let more = answer.poorly_determined.len() - named.len();
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        let _ = writeln!(text, "  not determined: {}{more}", named.join(", "));
+        let more = if more > 0 { format!(", and {more} more") } else { String::new() };
+        let _ = writeln!(text, "  not determined, with the minutes that would: {}{more}", named.join(", "));
     }
     let alike = answer.candidates.iter().filter(|other| other.is_like_the_best()).count();
     if alike > 0 {
@@ -76,10 +84,20 @@ pub(crate) fn advice_text(answer: &AdviceAnswer) -> String {
         let _ = writeln!(text, "page: {}", report.display());
     }
     let _ = writeln!(text, "next: armid run {} -o log.mcap", answer.experiment.display());
-    let estimator = AdvicePlan::columns_of(&best.estimator).1;
-    let _ =
-        writeln!(text, "      armid identify log.mcap --estimator {estimator} --columns {} -o E.json", best.columns);
+    let _ = writeln!(text, "      armid identify log.mcap --estimator {plain} --columns {} -o E.json", best.columns);
     text
+}
+
+/// A parameter with the minutes that would determine it.
+fn time_for(parameter: &Undetermined) -> String {
+    let minutes = |time: f64| {
+        if time < MOST_MINUTES { significant(time, 2) } else { format!("over {MOST_MINUTES}") }
+    };
+    let own = parameter.minutes.map_or_else(|| "never, being zero".to_owned(), minutes);
+    match parameter.other.as_ref().filter(|(_, time)| *time < MOST_MINUTES) {
+        Some((motion, time)) => format!("{} {own} ({} by \"{motion}\")", parameter.name, minutes(*time)),
+        None => format!("{} {own}", parameter.name),
+    }
 }
 
 /// A row for each candidate: over all levels, and at each.
@@ -131,5 +149,7 @@ const fn words(purpose: Purpose) -> (&'static str, &'static str) {
         Purpose::PointToPoint => ("RMS error of measured torque from point to point", "N·m"),
         Purpose::Slow => ("RMS error of measured torque on slow motions", "N·m"),
         Purpose::Parameters => ("RMS error of the parameters", "reference units"),
+        Purpose::Friction => ("RMS error of friction and offsets", "reference units"),
+        Purpose::Payload => ("RMS error of a load's parameters", "reference units"),
     }
 }

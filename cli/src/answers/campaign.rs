@@ -33,6 +33,9 @@ pub(crate) fn campaign_text(answer: &CampaignAnswer) -> String {
         text.push_str(&paragraph(&format!("{}: another round did not help. {}", obstacle.target, obstacle.effect), 2));
         text.push_str(&paragraph(&format!("→ {}", obstacle.advice), 4));
     }
+    if !answer.added_terms.is_empty() {
+        let _ = writeln!(text, "\n  added to the model, since the logs show them: {}", answer.added_terms.join(", "));
+    }
     text.push('\n');
     text.push_str(&by_round(answer).render(2));
     let _ = writeln!(text, "  intervals are for 95 % over at most {} rounds together", answer.most_rounds);

@@ -18,8 +18,8 @@ use crate::terminal::{Answer, Console, Ending, Watch, report_folder};
 const MOST_MINUTES: f64 = 120.0;
 
 const AFTER_HELP: &str = "\
-A study compares designs and estimators on arms around the nominal one, with the effects that such drives may have, at \
-four levels from none to twice the realistic one. The folder gets the study with its page, the best motion, and an \
+A study compares designs and estimators on arms around the nominal one. They have the effects of such drives, up to \
+twice the realistic size, and an unforeseen one. The folder gets the study with its page, the best motion, and an \
 experiment that performs it. What a URDF does not state is assumed and listed.
 
 Examples:

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use armid::model::Columns;
 use armid_io::Error;
+use armid_io::estimate::read;
 use armid_io::log::HeldOut;
 use armid_io::recording::{check_at_rest, part_path};
 use armid_workflow::campaign::{Campaign, CampaignSettings, Outcome, Round, Step, Target, experiment_table};
@@ -59,7 +60,7 @@ pub(crate) struct Arguments {
     /// Repeat the first motion instead of a new design
     #[arg(long)]
     repeat: bool,
-    /// Which parameters are estimated [default: rigid+rotor+friction]
+    /// Columns of the model [default: rigid+rotor+friction, and what logs show]
     #[arg(long, value_parser = columns)]
     columns: Option<Columns>,
     /// Independent starts of each design [default: 3]
@@ -198,12 +199,15 @@ impl Arguments {
         state("periods", self.periods.map(|periods| Value::Integer(periods.into())));
         let load = self.payload.map(|mass_kg| HeaviestLoad { mass_kg, centre_m: [0.0; 3] });
         let usual = CampaignSettings::new(experiment, self.until.clone());
+        // A load is found by two estimates with the same columns.
+        let of_arm = self.without.as_deref().map(read).transpose()?.map(|of| of.columns);
         Ok(CampaignSettings {
             most_rounds: self.rounds.unwrap_or(usual.most_rounds),
             repeats: self.repeat,
             by_hand: self.by_hand,
             first_speed: self.first_speed.unwrap_or(usual.first_speed),
-            columns: self.columns.map_or(usual.columns, |columns| columns.to_string()),
+            columns: self.columns.map(|columns| columns.to_string()).or(of_arm).unwrap_or(usual.columns),
+            adds_terms: self.columns.is_none(),
             period_s: self.period.unwrap_or(usual.period_s),
             starts: self.starts.unwrap_or(usual.starts),
             evaluations: self.evaluations.unwrap_or(usual.evaluations),
@@ -237,16 +241,16 @@ impl Arguments {
     }
 
     fn take(&self, campaign: &mut Campaign, logs: &[PathBuf], watch: &Watch<'_>) -> Result<()> {
-        let (log, inputs) = self.log_of(campaign)?.process(logs, None, HeldOut::Nothing)?;
+        let (log, inputs) = self.log_of(campaign).process(logs, None, HeldOut::Nothing)?;
         Ok(campaign.take(log, &inputs, watch)?)
     }
 
     /// How logs are read: those of armid say it themselves.
-    fn log_of(&self, campaign: &Campaign) -> Result<LogArguments, Error> {
+    fn log_of(&self, campaign: &Campaign) -> LogArguments {
         if !campaign.settings().by_hand {
-            return Ok(LogArguments::default());
+            return LogArguments::default();
         }
         let robot = campaign.settings().experiment.get("robot").and_then(Value::as_str).unwrap_or_default();
-        Ok(LogArguments::of_table(robot.to_owned(), self.map.clone(), self.rate))
+        LogArguments::of_table(robot.to_owned(), self.map.clone(), self.rate)
     }
 }

@@ -57,8 +57,11 @@ pub(super) fn observe_to(
     if !regressor.needs_load() {
         return Observation::new(robot, regressor, base, samples);
     }
-    let equations = |at: Option<&DVector<f64>>| Ok(Observation::stacked(robot, regressor, base, samples, at)?.0);
-    let at = at_rest(base, rest, equations)?;
+    let (plain, left_out) = Observation::stacked(robot, regressor, base, samples, None)?;
+    // What is not shown needs no rounds to say so; friction of the load is looked at where the fit rests.
+    plain.check_shown(&left_out, |id| !is_of_load(id))?;
+    let equations = |at: &DVector<f64>| Ok(Observation::stacked(robot, regressor, base, samples, Some(at))?.0);
+    let at = at_rest(plain, rest, equations)?;
     Observation::checked(robot, regressor, base, samples, Some(&at))
 }
 
@@ -66,14 +69,14 @@ fn is_of_load(id: ParameterId) -> bool {
     id.kind.term().is_some_and(|term| term.entry().needs.load)
 }
 
-/// The parameters at which the weighted fit of `equations`, linearised at any, comes to rest. Without any, those without friction of the load
-/// are fitted.
+/// The parameters at which the weighted fit of `equations`, linearised at any, comes to rest. Of the `plain` ones, those without friction of
+/// the load are fitted first.
 fn at_rest(
-    base: &BaseReduction,
+    plain: Observation,
     rest: f64,
-    equations: impl Fn(Option<&DVector<f64>>) -> Result<Observation, EstimationError>,
+    equations: impl Fn(&DVector<f64>) -> Result<Observation, EstimationError>,
 ) -> Result<DVector<f64>, EstimationError> {
-    let plain = equations(None)?;
+    let base = &plain.base.clone();
     let others: Vec<usize> = (0..base.rank()).filter(|&j| !is_of_load(base.parameters[base.kept[j]])).collect();
     let kept = others.iter().map(|&j| base.kept[j]).collect();
     let less = Observation {
@@ -88,7 +91,7 @@ fn at_rest(
     }
     let (mut change, mut last, mut part) = (f64::INFINITY, f64::INFINITY, 1.0_f64);
     for _ in 0..ROUNDS {
-        let observation = equations(Some(&beta))?;
+        let observation = equations(&beta)?;
         let found = LinearFit::weighted(&Factorisation::new(&observation)?)?;
         let step = found.fit.solution() - &beta;
         let torque = &observation.regressor * &step;

@@ -90,14 +90,28 @@ impl Observation {
             return Err(EstimationError::NothingActs { equations });
         }
         let (own, left_out) = Self::stacked(robot, regressor, base, samples, at)?;
-        for (j, (column, left_out)) in own.regressor.column_iter().zip(left_out).enumerate() {
+        own.check_shown(&left_out, |_| true)?;
+        Ok(own)
+    }
+
+    /// The equations show the parameters that are asked for, of which the rows that are none have these largest entries.
+    ///
+    /// # Errors
+    /// [`EstimationError::OutsideOfEquations`] where one acts in rows alone that are none.
+    pub(super) fn check_shown(
+        &self,
+        left_out: &[f64],
+        is_asked_for: impl Fn(ParameterId) -> bool,
+    ) -> Result<(), EstimationError> {
+        for (j, (column, &left_out)) in self.regressor.column_iter().zip(left_out).enumerate() {
+            let id = self.base.parameters[self.base.kept[j]];
             // Mostly the first entries decide.
-            if left_out > 0.0 && !column.iter().any(|entry| entry.abs() >= LEAST_SHARE * left_out) {
+            if left_out > 0.0 && is_asked_for(id) && !column.iter().any(|entry| entry.abs() >= LEAST_SHARE * left_out) {
                 let share = column.amax() / left_out;
-                return Err(EstimationError::OutsideOfEquations { parameter: base.names()[j].clone(), share });
+                return Err(EstimationError::OutsideOfEquations { parameter: id.to_string(), share });
             }
         }
-        Ok(own)
+        Ok(())
     }
 
     /// The equations, of which there may be few, linearised `at` these parameters where they must be; and the largest entry of each column in

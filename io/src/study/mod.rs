@@ -22,7 +22,7 @@ pub use line_chain::LineChain;
 pub use number_file::NumberFile;
 pub use output_folder::{check_output, check_robots_output};
 pub use piece::Piece;
-pub use pilot::{RunValue, design_and_run_seconds, log_ratios, run_values};
+pub use pilot::{RunErrors, RunValue, design_and_run_seconds, log_ratios, run_errors, run_values};
 pub use plan::{load as load_plan, load_all as load_plans};
 pub use robots::{read_robots, write_robots};
 pub use row_files::RowFiles;

@@ -86,6 +86,51 @@ pub fn run_values(folder: &Path, metric: Metric) -> Result<Vec<RunValue>, Error>
     Ok(all)
 }
 
+/// The errors of the base parameters by a run with an estimator, in the parameters' units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunErrors {
+    /// Name of the designs that its own is one of.
+    pub family: String,
+    /// Name of the condition.
+    pub condition: String,
+    /// Name of the estimator.
+    pub estimator: String,
+    /// Number of the run.
+    pub run: usize,
+    /// Estimate less truth, b.
+    pub errors: Vec<f64>,
+}
+
+/// The errors of every run of a stored study that gave an estimate, in the order of its rows. `families` has the name of each design's.
+///
+/// # Errors
+/// [`Error`] where the rows cannot be read.
+pub fn run_errors(folder: &Path, families: &[&str]) -> Result<Vec<RunErrors>, Error> {
+    let mut all: Vec<RunErrors> = Vec::new();
+    rows(
+        &folder.join("parameters.parquet"),
+        &["design", "condition", "estimator", "run", "estimate", "true"],
+        |row| {
+            let (Field::Long(design), Field::Long(run)) = (&row[0], &row[3]) else { return };
+            let (Field::Double(estimate), Field::Double(truth)) = (&row[4], &row[5]) else { return };
+            let place = |number: &i64| usize::try_from(*number).unwrap_or(usize::MAX);
+            let Some(family) = families.get(place(design)) else { return };
+            let [condition, estimator] = [1, 2].map(|k| text(&row[k]).unwrap_or_default().to_owned());
+            let found =
+                RunErrors { family: (*family).to_owned(), condition, estimator, run: place(run), errors: Vec::new() };
+            let is_same = |of: &&mut RunErrors| {
+                let key = |of: &RunErrors| (of.run, of.family.clone(), of.condition.clone(), of.estimator.clone());
+                key(of) == key(&found)
+            };
+            match all.last_mut().filter(is_same) {
+                Some(last) => last.errors.push(estimate - truth),
+                None => all.push(RunErrors { errors: vec![estimate - truth], ..found }),
+            }
+        },
+    )?;
+    Ok(all)
+}
+
 /// Mean wall time of a design and of a run of a stored study, s.
 ///
 /// # Errors

@@ -9,12 +9,13 @@ use armid::model::format::ChainEnds;
 use armid::observer::Observer;
 use armid::remedy::{Remedy, Setting};
 use armid::statistics::{Interval, Spread, mean, t_interval};
-use armid::study::{AdvicePlan, Purpose, StudyDesign, StudyPlans, StudyResult};
+use armid::study::{AdvicePlan, FamilyScore, Metric, Purpose, StudyDesign, StudyPlans, StudyResult};
 use armid_io::output::write_text;
-use armid_io::study::{RunValue, run_values};
+use armid_io::study::{RunValue, run_errors, run_values};
 use armid_io::{Error, Text, robot};
 
-use super::answer::{AdviceAnswer, Candidate, Longer};
+use super::answer::{AdviceAnswer, Candidate, Longer, Undetermined};
+use super::part::Part;
 use super::settings::AdviceSettings;
 use crate::study::{StudyAnswer, StudySettings, perform};
 
@@ -84,7 +85,9 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
     let StudyAnswer::Whole(summary) = perform(&StudyPlans::One(Box::new(plan)), &study, observer)? else {
         return Ok(None);
     };
-    let candidates = candidates(folder, &summary.result, settings, !made.shown.is_empty())?;
+    let part = Part::of(settings.purpose, &loaded.robot, &summary.result)?;
+    let values = |metric| values(folder, &summary.result, metric, part.as_ref());
+    let candidates = candidates(values(settings.purpose.metric())?, &summary.result, !made.shown.is_empty());
     let Some(best) = candidates.first() else {
         return Err(Error::new(format!(
             "{} of {} runs of the study failed, expected a candidate that gives an estimate at every level of an arm",
@@ -118,10 +121,10 @@ pub fn advise(settings: &AdviceSettings, observer: &dyn Observer) -> Result<Opti
         robot: loaded.robot.name().to_owned(),
         drive,
         from_log: settings.log.as_ref().map_or_else(Vec::new, |log| log.sentences(drive)),
-        longer: longer(folder, best, settings.purpose, &made)?,
+        longer: longer(&values, best, settings.purpose, &made)?,
         purpose: settings.purpose,
         duration_s: AdvicePlan::PERIOD_S * made.periods as f64,
-        poorly_determined: poorly_determined(&summary.result, best),
+        poorly_determined: poorly_determined(&summary.result, best, AdvicePlan::PERIOD_S * made.periods as f64 / 60.0),
         parameters: summary.result.parameters.len(),
         limits_kept: design.is_some_and(is_inside),
         candidates,
@@ -150,20 +153,50 @@ fn taken(place: &Path) -> Error {
     Error::new(message).help(Remedy::default().setting(Setting::Output).say(" chooses another folder"))
 }
 
-/// Every design with every estimator, by the runs that are stored in a folder; without those of arms without effects, where a log shows
-/// that this arm is none.
-fn candidates(
-    folder: &Path,
-    result: &StudyResult,
-    settings: &AdviceSettings,
-    has_effects: bool,
-) -> Result<Vec<Candidate>, Error> {
-    let mut values = run_values(folder, settings.purpose.metric())?;
+/// The errors of all runs: by a metric of the study, or of the part of the parameters that counts.
+fn values(folder: &Path, result: &StudyResult, metric: Metric, part: Option<&Part>) -> Result<Vec<RunValue>, Error> {
+    let mut values = run_values(folder, metric)?;
+    let Some(part) = part else { return Ok(values) };
+    let families: Vec<&str> =
+        result.designs.iter().map(|design| result.plan.designs[design.family].name.as_str()).collect();
+    let errors = run_errors(folder, &families)?;
+    let errors: BTreeMap<_, _> = errors
+        .iter()
+        .map(|of| ((&*of.family, &*of.condition, &*of.estimator, of.run), part.error(&of.errors)))
+        .collect();
+    for run in &mut values {
+        let own = errors.get(&(&*run.family, &*run.condition, &*run.estimator, run.run)).copied();
+        run.value = run.value.and(own);
+    }
+    Ok(values)
+}
+
+/// What everybody does where a fit with more terms gives no estimate: the same estimator without them, on the same log.
+fn without_terms_where_failed(mut values: Vec<RunValue>) -> Vec<RunValue> {
+    let key = |of: &RunValue, estimator: &str| (of.family.clone(), of.condition.clone(), estimator.to_owned(), of.run);
+    let all: BTreeMap<_, _> = values.iter().map(|of| (key(of, &of.estimator), of.value)).collect();
+    for run in values.iter_mut().filter(|run| run.value.is_none()) {
+        let plain = AdvicePlan::columns_of(&run.estimator).1;
+        run.value = all.get(&key(run, plain)).copied().flatten();
+    }
+    values
+}
+
+/// Every design with every estimator, by the runs of the study; without those of arms without effects, where a log shows that this arm is
+/// none.
+fn candidates(mut values: Vec<RunValue>, result: &StudyResult, has_effects: bool) -> Vec<Candidate> {
     values.retain(|run| !(has_effects && run.condition == AdvicePlan::LEVELS[0].0));
-    let mut all: Vec<(Candidate, BTreeMap<usize, f64>)> = Vec::new();
+    let filled = without_terms_where_failed(values.clone());
+    let mut all: Vec<(Candidate, BTreeMap<usize, f64>, usize)> = Vec::new();
     for design in &result.plan.designs {
         for estimator in &result.plan.identification.estimators {
-            let own = || values.iter().filter(|run| run.family == design.name && run.estimator == *estimator);
+            let is_own = |run: &&RunValue| run.family == design.name && run.estimator == *estimator;
+            let own = || filled.iter().filter(is_own);
+            let failed = values.iter().filter(is_own).filter(|run| run.value.is_none()).count();
+            // What never gives an estimate is its fallback, which is in the list.
+            if failed == own().count() {
+                continue;
+            }
             let of = |condition: Option<&str>| {
                 let runs = own().filter(|run| condition.is_none_or(|condition| run.condition == condition));
                 runs.filter_map(|run| run.value).collect::<Vec<f64>>()
@@ -174,27 +207,34 @@ fn candidates(
             let by_level = levels.filter_map(|name| Some((name.clone(), Spread::new(&of(Some(name)))?))).collect();
             let (design, columns) = (design.name.clone(), AdvicePlan::columns_of(estimator).0);
             let estimator = estimator.clone();
-            let failed = own().filter(|run| run.value.is_none()).count();
+            let without = own().filter(|run| run.value.is_none()).count();
             let of_all = Candidate { design, estimator, columns, expected, failed, error, over_best: None, by_level };
-            all.push((of_all, arms));
+            all.push((of_all, arms, without));
         }
     }
     // An estimator that fails does so on the hard arms.
-    all.sort_by(|(a, _), (b, _)| a.failed.cmp(&b.failed).then_with(|| a.expected.total_cmp(&b.expected)));
-    let best = all.first().map(|(_, arms)| arms.clone()).unwrap_or_default();
-    for (candidate, arms) in all.iter_mut().skip(1) {
+    all.sort_by(|(a, _, of_a), (b, _, of_b)| of_a.cmp(of_b).then_with(|| a.expected.total_cmp(&b.expected)));
+    let best = all.first().map(|(_, arms, _)| arms.clone()).unwrap_or_default();
+    for (candidate, arms, _) in all.iter_mut().skip(1) {
         let logs: Vec<f64> = arms.iter().filter_map(|(arm, own)| Some(libm::log(own / best.get(arm)?))).collect();
         candidate.over_best = t_interval(&logs, 0.95).map(Interval::exponentiated);
     }
-    Ok(all.into_iter().map(|(candidate, _)| candidate).collect())
+    all.into_iter().map(|(candidate, ..)| candidate).collect()
 }
 
 /// What an hour more would give of the best candidate: noise falls with time, and what arms without effects do not have stays.
-fn longer(folder: &Path, best: &Candidate, purpose: Purpose, made: &AdvicePlan) -> Result<Option<Longer>, Error> {
+fn longer(
+    values: &dyn Fn(Metric) -> Result<Vec<RunValue>, Error>,
+    best: &Candidate,
+    purpose: Purpose,
+    made: &AdvicePlan,
+) -> Result<Option<Longer>, Error> {
     let without_effects = AdvicePlan::LEVELS[0].0;
     let is_own = |run: &RunValue| run.family == best.design && run.estimator == best.estimator;
     let squares = |metric, is_meant: &dyn Fn(&str) -> bool| -> Result<Vec<(usize, Option<f64>)>, Error> {
-        let runs = run_values(folder, metric)?.into_iter().filter(|run| is_own(run) && is_meant(&run.condition));
+        let runs = without_terms_where_failed(values(metric)?)
+            .into_iter()
+            .filter(|run| is_own(run) && is_meant(&run.condition));
         Ok(runs.map(|run| (run.run, run.value.map(|value| value * value))).collect())
     };
     let noise = squares(purpose.noise_metric(), &|condition| condition == without_effects)?;
@@ -229,11 +269,20 @@ fn expected(arms: &BTreeMap<usize, f64>) -> Option<f64> {
     (!logs.is_empty()).then(|| libm::exp(mean(&logs)))
 }
 
-/// Parameters whose stated standard deviation is more than a third of their value, without effects.
-fn poorly_determined(result: &StudyResult, best: &Candidate) -> Vec<String> {
+/// Parameters whose stated standard deviation is more than a third of their value, without effects, and how long would show them.
+fn poorly_determined(result: &StudyResult, best: &Candidate, minutes: f64) -> Vec<Undetermined> {
     let scores = &result.findings().families;
-    let score = scores.iter().find(|score| score.family == best.design && score.estimator == best.estimator);
-    let of = score.map_or(&[][..], |score| &score.parameters);
-    let pairs = result.parameters.iter().zip(of);
-    pairs.filter(|(line, score)| score.stated_std > line.truth.abs() / 3.0).map(|(line, _)| line.name.clone()).collect()
+    let of_estimator = scores.iter().filter(|score| score.estimator == best.estimator);
+    let (own, others): (Vec<&FamilyScore>, Vec<_>) = of_estimator.partition(|score| score.family == best.design);
+    let lines = result.parameters.iter().enumerate();
+    let undetermined = lines.filter_map(|(k, line)| {
+        let needed =
+            |score: &FamilyScore| Some(minutes * (3.0 * score.parameters.get(k)?.stated_std / line.truth).powi(2));
+        let own = needed(own.first()?)?;
+        let other = others.iter().filter_map(|score| Some((score.family.clone(), needed(score)?)));
+        let other = other.filter(|(_, time)| *time < own).min_by(|a, b| a.1.total_cmp(&b.1));
+        let minutes_of = own.is_finite().then_some(own);
+        (own > minutes).then(|| Undetermined { name: line.name.clone(), minutes: minutes_of, other })
+    });
+    undetermined.collect()
 }

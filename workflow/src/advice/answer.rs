@@ -17,7 +17,7 @@ pub struct Candidate {
     pub columns: String,
     /// What to expect of its error: the mean over levels of the effects, and of arms the geometric mean of theirs.
     pub expected: f64,
-    /// Runs in which it gave no estimate. Arms of such runs are not in `expected`.
+    /// Runs in which it gave no estimate. Of an estimator with more terms, the error there is that of the same one without them.
     pub failed: usize,
     /// Its error over all arms and levels of the effects: 90 % of them are between `low` and `high`.
     pub error: Spread,
@@ -50,6 +50,21 @@ pub struct Longer {
     pub floor: f64,
 }
 
+/// A base parameter that the best candidate does not determine, and how long would: noise falls with the root of time.
+///
+/// ```text
+/// T' = T (3 σ / |β|)²        σ the stated standard deviation after T
+/// ```
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Undetermined {
+    /// Its name.
+    pub name: String,
+    /// Minutes with the motion that is advised; `None` of a parameter that is zero.
+    pub minutes: Option<f64>,
+    /// Another motion that takes less time, and how long.
+    pub other: Option<(String, f64)>,
+}
+
 /// The best motion and estimator for an arm, and what to expect of them.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct AdviceAnswer {
@@ -65,10 +80,10 @@ pub struct AdviceAnswer {
     pub from_log: Vec<String>,
     /// What an hour more would give, by the runs of the best candidate.
     pub longer: Option<Longer>,
-    /// All candidates, the best first: those with the fewest failed runs, and of them that of which the least error is expected.
+    /// All candidates, the best first: those with the fewest runs without any estimate, and of them that of which the least error is expected.
     pub candidates: Vec<Candidate>,
     /// Base parameters that the best candidate does not determine to within a third of their value.
-    pub poorly_determined: Vec<String>,
+    pub poorly_determined: Vec<Undetermined>,
     /// How many base parameters there are.
     pub parameters: usize,
     /// Whether the motion keeps all limits.

@@ -6,9 +6,10 @@
 mod advise;
 mod answer;
 mod earlier_log;
+mod part;
 mod settings;
 
 pub use advise::advise;
-pub use answer::{AdviceAnswer, Candidate, Longer};
+pub use answer::{AdviceAnswer, Candidate, Longer, Undetermined};
 pub use earlier_log::EarlierLog;
 pub use settings::AdviceSettings;

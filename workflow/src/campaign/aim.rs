@@ -67,7 +67,11 @@ impl Aim {
                 (id.kind.unit(loaded.robot.joints()[id.index].kind), Measure::Parameter(place))
             }
             Quantity::Torque => {
-                let regressor = JointTorqueRegressor::new(&loaded.robot, columns).map_err(Error::new)?;
+                let regressor = match loaded.guess() {
+                    // Friction of the load is that of the load by the guess, as in designs.
+                    Some(guess) => JointTorqueRegressor::with_load(&loaded.robot, columns, guess),
+                    None => JointTorqueRegressor::new(&loaded.robot, columns).map_err(Error::new)?,
+                };
                 let motions = EvaluationMotions::default_for(&loaded.robot).map_err(Error::new)?;
                 (
                     loaded.robot.joints()[0].kind.effort_unit(),

@@ -38,6 +38,8 @@ pub struct CampaignAnswer {
     pub met: Vec<bool>,
     /// What keeps targets out of reach.
     pub obstacles: Vec<Obstacle>,
+    /// Terms that the logs show and that were added to the model, as `--columns` names them.
+    pub added_terms: Vec<String>,
     /// The most rounds: all of their intervals hold together with 95 %.
     pub most_rounds: usize,
     /// The rounds, in their order.

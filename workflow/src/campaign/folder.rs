@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use armid::trajectory::PeriodicTrajectory;
 use armid_io::output::write_text;
 use armid_io::{Error, Inputs, Text, experiment};
+use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 use toml::Value;
 
@@ -128,12 +129,11 @@ pub(super) fn stated_inputs(path: &Path) -> Result<Json, Error> {
     Ok(value["inputs"].take())
 }
 
-/// The settings that a folder keeps; `None` of a folder without any.
-pub(super) fn read_settings(folder: &Path) -> Result<Option<CampaignSettings>, Error> {
-    let path = folder.join(SETTINGS);
+/// What a file in TOML keeps; `None` where it is not there.
+pub(super) fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<Option<T>, Error> {
     if !path.is_file() {
         return Ok(None);
     }
-    let text = Text::read(&path)?;
+    let text = Text::read(path)?;
     toml::from_str(&text.content).map(Some).map_err(|error| Error::of_toml(&text, &error))
 }

@@ -11,6 +11,9 @@
 //! ([`pool`](armid::estimation::pool)). Where the second alone is wider than a target, and a further round did not make it a tenth
 //! narrower, the target is out of reach.
 //!
+//! Before that is said, terms are selected by the logs of all rounds. The columns grow by those that are new, all rounds are estimated
+//! again, and the campaign goes on.
+//!
 //! A campaign performs nothing: [`Campaign::next`] says which experiment comes, and [`Campaign::take`] takes its log. All of its state is in
 //! its folder, in files that are whole or absent. So it goes on after any end, to the same bits.
 
@@ -18,11 +21,13 @@ mod aim;
 mod answer;
 mod figure;
 mod folder;
+mod logs;
 mod motion;
 mod settings;
 mod state;
 mod stopping;
 mod target;
+mod terms;
 
 pub use answer::{CampaignAnswer, RoundAnswer};
 pub use folder::Round;

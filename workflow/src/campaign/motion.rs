@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use armid::estimation::{Estimate, Finding};
 use armid::excitation::criterion::LinearOptimal;
-use armid::excitation::{Criterion, CriterionKind};
+use armid::excitation::{Criterion, CriterionKind, LimitSettings};
 use armid::experiment::{EffectKind, Effects};
 use armid::model::Columns;
 use armid::observer::Observer;
@@ -69,6 +69,7 @@ impl Motion<'_> {
             starts: settings.starts,
             from: rounds.last().map(|last| last.trajectory().display().to_string()).into_iter().collect(),
             evaluations: settings.evaluations,
+            limits: LimitSettings { ramp_s: Some(settings.ramp_s()), ..LimitSettings::default() },
             weighted: rounds.is_empty() && settings.load.is_none() && self.states_noise(),
             prior: rounds.iter().map(Round::estimate).collect(),
             expected,

@@ -18,6 +18,9 @@ const MOST_RATE_HZ: f64 = 500.0;
 /// Recorded periods of a round, where nothing states them.
 const PERIODS: i64 = 4;
 
+/// Ramps of an experiment, where nothing states them, s.
+const RAMP_S: f64 = 2.0;
+
 /// Rounds, at most.
 const MOST_ROUNDS: usize = 100;
 
@@ -29,14 +32,17 @@ pub struct CampaignSettings {
     pub until: Vec<Target>,
     /// The most rounds; every round is a look, for which intervals are wider.
     pub most_rounds: usize,
-    /// Whether the first motion is repeated instead of designed again.
+    /// Whether the first motion is repeated instead of designed again, for comparison: until the targets are met, or the last round.
     pub repeats: bool,
     /// Whether somebody performs the rounds, and brings their logs.
     pub by_hand: bool,
     /// Share of the designed speed in the first round.
     pub first_speed: f64,
-    /// Which parameters are estimated.
+    /// Which parameters are estimated, at least.
     pub columns: String,
+    /// Whether terms that the logs show are added to them before a target counts as out of reach.
+    #[serde(default)]
+    pub adds_terms: bool,
     /// Period of the motions, s.
     pub period_s: f64,
     /// Harmonics of the motions.
@@ -67,6 +73,7 @@ impl CampaignSettings {
             by_hand: false,
             first_speed: 0.5,
             columns: Columns::RIGID_ROTOR_FRICTION.to_string(),
+            adds_terms: true,
             period_s: 10.0,
             harmonics: 5,
             starts: 3,
@@ -82,6 +89,13 @@ impl CampaignSettings {
     pub(super) fn periods(&self) -> usize {
         let stated = self.experiment.get("periods").and_then(Value::as_integer);
         stated.and_then(|periods| usize::try_from(periods).ok()).unwrap_or(10)
+    }
+
+    /// Length of the ramps of every round's experiment, on which its motion keeps the limits too, s.
+    pub(super) fn ramp_s(&self) -> f64 {
+        let stated = self.experiment.get("ramp_s");
+        let stated = stated.and_then(|value| value.as_float().or(value.as_integer().map(|whole| whole as f64)));
+        stated.unwrap_or(RAMP_S)
     }
 
     /// Everything is possible.

@@ -3,27 +3,28 @@
 use std::path::{Path, PathBuf};
 
 use armid::base::{Method, reduce};
-use armid::estimation::{Estimate, EstimatorKind, Pooled, Termination, Together, pool};
-use armid::model::Columns;
+use armid::estimation::{Estimate, Pooled, Together, pool};
 use armid::model::format::ChainEnds;
-use armid::observer::Observer;
+use armid::model::{Columns, distinct};
+use armid::observer::{Observer, Unobserved};
 use armid::remedy::{Remedy, Setting};
 use armid::seed::Seed;
-use armid::signal::{NoiseModel, Samples};
 use armid_io::estimate::{check_robot, read};
 use armid_io::inputs::RobotSource;
 use armid_io::output::{pretty, write_text};
-use armid_io::{Error, Inputs, LoadedRobot, ProcessedLog, Text, robot};
+use armid_io::{Error, ErrorKind, Inputs, LoadedRobot, ProcessedLog, Text, robot};
 use serde_json::json;
 use toml::Value;
 
 use super::aim::Aim;
 use super::answer::{CampaignAnswer, RoundAnswer};
 use super::figure;
-use super::folder::{Round, SETTINGS, beginning_in, joined, read_settings, stated_inputs};
+use super::folder::{Round, SETTINGS, beginning_in, joined, read_toml, stated_inputs};
+use super::logs::{are_alike, estimate, join};
 use super::motion::Motion;
 use super::settings::CampaignSettings;
 use super::stopping::{Obstacle, Outcome, Width, chance_of_a_look, is_model_error_shown, is_out_of_reach, outcome};
+use super::terms::{COLUMNS, SelectedColumns, extended};
 use crate::identification::advice;
 use crate::log_source::LogSource;
 
@@ -33,7 +34,11 @@ pub struct Campaign {
     folder: PathBuf,
     settings: CampaignSettings,
     loaded: LoadedRobot,
+    /// Those of all estimates: of the settings, with the terms that were added.
     columns: Columns,
+    added_terms: Vec<String>,
+    /// Finished rounds when terms were selected last.
+    selected_after: usize,
     aims: Vec<Aim>,
     rounds: Vec<Round>,
     estimates: Vec<Estimate>,
@@ -52,7 +57,7 @@ pub enum Step {
     Perform(Round),
     /// Nothing: the campaign has ended.
     Ended,
-    /// The observer ended the search of a motion, which begins again at the next call.
+    /// The observer ended the search of a motion or the selection of terms, which begins again at the next call.
     Interrupted,
 }
 
@@ -64,12 +69,12 @@ impl Campaign {
     pub fn begin(settings: CampaignSettings, folder: &Path) -> Result<Self, Error> {
         let help = || Remedy::default().setting(Setting::Output).say(" chooses another folder");
         let place = folder.join(SETTINGS);
-        match read_settings(folder)? {
+        match read_toml::<CampaignSettings>(&place)? {
             Some(there) if there != settings => {
                 let message = format!("{} is of another campaign, expected the settings of this one", place.display());
                 return Err(Error::mismatch(message).help(help()));
             }
-            None if folder.join("rounds").exists() => {
+            None if ["rounds", COLUMNS].iter().any(|name| folder.join(name).exists()) => {
                 let message = format!("{} has rounds without {SETTINGS}, expected a new folder", folder.display());
                 return Err(Error::mismatch(message).help(help()));
             }
@@ -87,7 +92,7 @@ impl Campaign {
     /// # Errors
     /// As [`Self::begin`].
     pub fn of_folder(folder: &Path) -> Result<Option<Self>, Error> {
-        read_settings(folder)?.map(|settings| Self::of(settings, folder)).transpose()
+        read_toml(&folder.join(SETTINGS))?.map(|settings| Self::of(settings, folder)).transpose()
     }
 
     fn of(settings: CampaignSettings, folder: &Path) -> Result<Self, Error> {
@@ -97,7 +102,13 @@ impl Campaign {
         let named =
             text("robot").ok_or_else(|| Error::new("the experiment of a campaign names no robot, expected one"))?;
         let loaded = robot::load(&named, &ends, Some(folder))?;
-        let columns = Columns::parse_estimable(&settings.columns).map_err(Error::new)?;
+        let stated = Columns::parse_estimable(&settings.columns).map_err(Error::new)?;
+        let selected: Option<SelectedColumns> = read_toml(&folder.join(COLUMNS))?;
+        let (columns, selected_after) = match selected {
+            Some(of) => (Columns::parse_estimable(&of.columns).map_err(Error::new)?, of.after),
+            None => (stated, 0),
+        };
+        let added = columns.terms().filter(|term| !stated.has(*term)).map(|term| term.entry().name.to_owned());
         let base = reduce(&loaded.robot, columns, Method::Structural, Seed::new(0))
             .map_err(|error| Error::new(format!("robot \"{}\": {error}", loaded.robot.name())))?;
         let without = settings.without.as_deref().map(read).transpose()?;
@@ -113,6 +124,8 @@ impl Campaign {
             settings,
             loaded,
             columns,
+            added_terms: distinct(added),
+            selected_after,
             aims,
             rounds: Vec::new(),
             estimates: Vec::new(),
@@ -124,12 +137,39 @@ impl Campaign {
             if !round.estimate().is_file() {
                 return Ok(campaign);
             }
-            let estimate = read(&round.estimate())?;
+            let (mut estimate, mut together) = (read(&round.estimate())?, read(&round.together())?);
             check_robot(&estimate, &round.estimate().display().to_string(), &campaign.loaded)?;
-            let together = read(&round.together())?;
+            let mut log = None;
+            if estimate.columns != columns.to_string() {
+                let (again, inputs) = LogSource::default().again(&Text::read(&round.estimate())?, &[])?;
+                let found = campaign.estimate_round(&round, &again, &inputs, &Unobserved)?;
+                let Some(found) = found else { return campaign.without_terms() };
+                (estimate, together) = found;
+                log = Some(again);
+            }
             campaign.add(round, estimate, &together)?;
-            campaign.logs.push(None);
+            campaign.logs.push(log);
         }
+    }
+
+    /// Goes on without the terms that were added, for good: a round does not show one of them, and each needs an estimate.
+    fn without_terms(&self) -> Result<Self, Error> {
+        let columns = self.settings.columns.clone();
+        SelectedColumns { after: self.settings.most_rounds, columns }.write(&self.folder)?;
+        Self::of(self.settings.clone(), &self.folder)
+    }
+
+    /// Selects terms by the logs of all rounds. With those that are new, all rounds are estimated again. A campaign that is killed meanwhile
+    /// does the rest when it is opened, since the columns are written first.
+    fn add_terms(&mut self, observer: &dyn Observer) -> Result<(), Error> {
+        let Some(last) = self.rounds.last() else { return Ok(()) };
+        let (log, inputs) = LogSource::default().again(&Text::read(&last.estimate())?, &[])?;
+        let before = self.rounds.len() - 1;
+        let (all, _) = self.together(before, &log, &inputs)?;
+        let rounds: Vec<&ProcessedLog> = self.logs.iter().take(before).flatten().chain([&log]).collect();
+        let columns = extended(&self.loaded, self.columns, all, &rounds, observer)?.to_string();
+        SelectedColumns { after: self.rounds.len(), columns }.write(&self.folder)?;
+        Self::of(self.settings.clone(), &self.folder).map(|grown| *self = grown)
     }
 
     /// Adds a finished round.
@@ -158,11 +198,18 @@ impl Campaign {
         &self.settings
     }
 
-    /// What comes next. A round has its files when it is returned: motion, and experiment to perform.
+    /// What comes next. A round has its files when it is returned: motion, and experiment to perform. Where a target would be out of reach,
+    /// terms that the logs show are added before.
     ///
     /// # Errors
-    /// [`Error`] where no motion is found within the limits of the arm, or a file cannot be written.
-    pub fn next(&self, observer: &dyn Observer) -> Result<Step, Error> {
+    /// [`Error`] where no motion is found within the limits of the arm, a log is not there any more, or a file cannot be written.
+    pub fn next(&mut self, observer: &dyn Observer) -> Result<Step, Error> {
+        if self.seeks_terms() {
+            match self.add_terms(observer) {
+                Err(error) if error.kind() == ErrorKind::Interrupted => return Ok(Step::Interrupted),
+                added => added?,
+            }
+        }
         if self.outcome() != Outcome::Unfinished {
             return Ok(Step::Ended);
         }
@@ -199,10 +246,27 @@ impl Campaign {
             let message = format!("{name}: {}", mistake.mistake);
             return Err(Error::new(message).help(advice(mistake, &log)));
         }
-        let estimate = self.estimate(&log, observer)?;
-        check_robot(&estimate, &name, &self.loaded)?;
-        let (all, inputs_of_all) = self.together(&log, inputs)?;
-        let together = self.estimate(&all, observer)?;
+        let Some((estimate, together)) = self.estimate_round(&round, &log, inputs, observer)? else {
+            *self = self.without_terms()?;
+            return self.take(log, inputs, observer);
+        };
+        self.logs.push(Some(log));
+        self.add(round, estimate, &together)
+    }
+
+    /// The estimates of a round and of all so far, which are written. That of the round comes last: where it is, the rest is. `None` where they
+    /// do not show a term that was added.
+    fn estimate_round(
+        &mut self,
+        round: &Round,
+        log: &ProcessedLog,
+        inputs: &Inputs,
+        observer: &dyn Observer,
+    ) -> Result<Option<(Estimate, Estimate)>, Error> {
+        let Some(estimate) = self.estimate(log, observer)? else { return Ok(None) };
+        check_robot(&estimate, &log.name(), &self.loaded)?;
+        let (all, inputs_of_all) = self.together(self.rounds.len(), log, inputs)?;
+        let Some(together) = self.estimate(&all, observer)? else { return Ok(None) };
         let with_inputs = |estimate: &Estimate, inputs: Inputs| {
             let mut value = json!(estimate);
             value["inputs"] = json!(inputs);
@@ -210,64 +274,72 @@ impl Campaign {
         };
         write_text(&round.together(), &with_inputs(&together, beginning_in(&self.folder, inputs_of_all)))?;
         write_text(&round.estimate(), &with_inputs(&estimate, beginning_in(&round.folder, inputs.clone())))?;
-        self.logs.push(Some(log));
-        self.add(round, estimate, &together)
+        Ok(Some((estimate, together)))
     }
 
-    fn estimate(&self, log: &ProcessedLog, observer: &dyn Observer) -> Result<Estimate, Error> {
-        let estimators = [EstimatorKind::Wls.estimator()];
-        let made = match self.settings.without {
-            // What the arm and the arm with its load have in common is in neither.
-            Some(_) => log.identify_for_difference(self.columns, &estimators, observer)?,
-            None => log.identify_watched(self.columns, &estimators, observer)?,
-        };
-        let ended = |of: &Estimate| matches!(of.termination, Termination::Interrupted { .. });
-        made.into_iter().next().filter(|of| !ended(of)).ok_or_else(|| Error::interrupted(&log.name()))
+    /// The estimate by a log; `None` where it does not show a term that was added.
+    fn estimate(&self, log: &ProcessedLog, observer: &dyn Observer) -> Result<Option<Estimate>, Error> {
+        let found = |columns| estimate(log, columns, self.settings.without.is_some(), observer);
+        match found(self.columns) {
+            Err(error) if error.kind() != ErrorKind::Interrupted && !self.added_terms.is_empty() => {
+                // A log that has no estimate without them either is at fault itself.
+                let stated = Columns::parse_estimable(&self.settings.columns).map_err(Error::new)?;
+                found(stated).map(|_| None)
+            }
+            made => made.map(Some),
+        }
     }
 
-    /// All logs so far that are sampled as the last one, as one without periods: what they say together of the laws that the model omits.
-    fn together(&mut self, last: &ProcessedLog, inputs: &Inputs) -> Result<(ProcessedLog, Inputs), Error> {
-        let is_alike = |log: &ProcessedLog| {
-            let (samples, of_last) = (&log.samples, &last.samples);
-            samples.block == of_last.block && samples.rate_hz.to_bits() == of_last.rate_hz.to_bits()
-        };
+    /// The logs of so many rounds that are sampled as the last one, and that one, as one without periods: what they say together of the laws
+    /// that the model omits.
+    fn together(
+        &mut self,
+        before: usize,
+        last: &ProcessedLog,
+        inputs: &Inputs,
+    ) -> Result<(ProcessedLog, Inputs), Error> {
         let (mut alike, mut of_alike) = (Vec::new(), Vec::new());
-        for (log, round) in self.logs.iter_mut().zip(&self.rounds) {
+        for (log, round) in self.logs.iter_mut().zip(&self.rounds).take(before) {
             let file = Text::read(&round.estimate())?;
             if log.is_none() {
                 *log = Some(LogSource::default().again(&file, &[])?.0);
             }
-            if let Some(log) = log.clone().filter(is_alike) {
+            if let Some(log) = log.clone().filter(|log| are_alike(log, last)) {
                 alike.push(log);
                 of_alike.extend(Inputs::of_estimate(&file)?);
             }
         }
         alike.push(last.clone());
         of_alike.push(inputs.clone());
-        let parts: Vec<&Samples> = alike.iter().map(|log| &log.samples).collect();
-        // Scatter over the periods of each; without it the residual says what noise is.
-        let noise =
-            parts.iter().filter(|of| !of.is_noise_free()).filter_map(|of| Some((of.noise.as_ref()?, of.blocks())));
-        let noise = Some(noise.collect::<Vec<_>>()).filter(|each| each.len() == parts.len());
-        let noise = noise.and_then(|each| NoiseModel::mean(&each));
-        let periods = parts.iter().map(|of| of.periods).min().unwrap_or(1);
-        let mut all = ProcessedLog::join(alike)?;
-        (all.samples.noise, all.samples.torque_covariance, all.samples.periods) = (noise, None, periods);
         // A recording holds its robot, and does not say what it was called.
         let text = |key: &str| self.settings.experiment.get(key).and_then(Value::as_str).map(str::to_owned);
         let [name, base_link, tip_link] = ["robot", "base_link", "tip_link"].map(text);
         let robot = RobotSource { name, base_link, tip_link, sha256: inputs.robot.sha256.clone() };
-        Ok((all, joined(of_alike, Inputs { robot, ..inputs.clone() })))
+        Ok((join(alike)?, joined(of_alike, Inputs { robot, ..inputs.clone() })))
     }
 
     fn outcome(&self) -> Outcome {
+        if self.seeks_terms() { Outcome::Unfinished } else { self.outcome_with_columns() }
+    }
+
+    /// Whether terms are to be selected, before a target counts as out of reach: once after a round.
+    fn seeks_terms(&self) -> bool {
+        // A load is found by two estimates with the same columns.
+        let may = self.settings.adds_terms && self.settings.without.is_none();
+        may && self.selected_after < self.rounds.len() && self.outcome_with_columns() == Outcome::ModelError
+    }
+
+    /// How it stands with these columns.
+    fn outcome_with_columns(&self) -> Outcome {
         let targets = self.aims.iter().zip(&self.widths).map(|(aim, widths)| (aim.target.limit(), widths.clone()));
         outcome(&targets.collect::<Vec<_>>(), self.settings.most_rounds, self.is_model_error_shown())
     }
 
     fn is_model_error_shown(&self) -> bool {
         let chance = chance_of_a_look(self.settings.most_rounds);
-        self.pooled.last().is_some_and(|last| is_model_error_shown(&last.estimate, chance))
+        // One motion is repeated for comparison: of what others would show, nothing is known.
+        let last = self.pooled.last().filter(|_| !self.settings.repeats);
+        last.is_some_and(|last| is_model_error_shown(&last.estimate, chance))
     }
 
     /// How it stands, with its estimate and its figure in the folder.
@@ -302,6 +374,7 @@ impl Campaign {
             units: self.aims.iter().map(|aim| aim.unit.clone()).collect(),
             met: targets().map(is_met).collect(),
             obstacles,
+            added_terms: self.added_terms.clone(),
             most_rounds: self.settings.most_rounds,
             rounds,
             estimate: None,
