@@ -103,7 +103,8 @@ fn time_for(parameter: &Undetermined) -> String {
 /// A row for each candidate: over all levels, and at each.
 fn table(answer: &AdviceAnswer) -> Table {
     let levels = answer.candidates.first().map_or(&[][..], |best| &best.by_level);
-    let mut headings = "motion | estimator | #expected | #5 % | #95 % | #over the best, 95 %".to_owned();
+    let mut headings =
+        "motion | estimator | #near the best | #expected | #5 % | #95 % | #over the first, 95 %".to_owned();
     if has_failed(answer) {
         headings.push_str(" | #failed runs");
     }
@@ -123,7 +124,8 @@ fn has_failed(answer: &AdviceAnswer) -> bool {
 
 fn row(candidate: &Candidate, levels: &[(String, Spread)], has_failed: bool) -> Vec<String> {
     let of = &candidate.error;
-    let mut cells = vec![candidate.design.clone(), candidate.estimator.clone()];
+    let near = format!("{} %", significant(100.0 * candidate.near_best, 2));
+    let mut cells = vec![candidate.design.clone(), candidate.estimator.clone(), near];
     cells.extend([candidate.expected, of.low, of.high].map(|value| significant(value, 3)));
     let ratio = candidate.over_best.map(|of| format!("{} to {}", significant(of.low, 3), significant(of.high, 3)));
     cells.push(ratio.unwrap_or_else(|| "–".to_owned()));

@@ -22,6 +22,9 @@ use crate::study::{StudyAnswer, StudySettings, perform};
 /// Rate that an experiment is sampled at, at most, Hz.
 const MOST_RATE_HZ: f64 = 500.0;
 
+/// Error over that of the best candidate of a run, up to which another one is near it.
+const NEAR: f64 = 1.1;
+
 /// What more time is looked at, min.
 const MORE_MINUTES: f64 = 60.0;
 
@@ -187,6 +190,11 @@ fn without_terms_where_failed(mut values: Vec<RunValue>) -> Vec<RunValue> {
 fn candidates(mut values: Vec<RunValue>, result: &StudyResult, has_effects: bool) -> Vec<Candidate> {
     values.retain(|run| !(has_effects && run.condition == AdvicePlan::LEVELS[0].0));
     let filled = without_terms_where_failed(values.clone());
+    let mut least: BTreeMap<(&str, usize), f64> = BTreeMap::new();
+    for run in &filled {
+        let least = least.entry((&run.condition, run.run)).or_insert(f64::INFINITY);
+        *least = least.min(run.value.unwrap_or(f64::INFINITY));
+    }
     let mut all: Vec<(Candidate, BTreeMap<usize, f64>, usize)> = Vec::new();
     for design in &result.plan.designs {
         for estimator in &result.plan.identification.estimators {
@@ -208,12 +216,21 @@ fn candidates(mut values: Vec<RunValue>, result: &StudyResult, has_effects: bool
             let (design, columns) = (design.name.clone(), AdvicePlan::columns_of(estimator).0);
             let estimator = estimator.clone();
             let without = own().filter(|run| run.value.is_none()).count();
-            let of_all = Candidate { design, estimator, columns, expected, failed, error, over_best: None, by_level };
-            all.push((of_all, arms, without));
+            let is_near =
+                |run: &&RunValue| run.value.is_some_and(|own| own <= NEAR * least[&(&*run.condition, run.run)]);
+            let near_best = own().filter(is_near).count() as f64 / own().count() as f64;
+            all.push((
+                Candidate { design, estimator, columns, expected, near_best, failed, error, over_best: None, by_level },
+                arms,
+                without,
+            ));
         }
     }
-    // An estimator that fails does so on the hard arms.
-    all.sort_by(|(a, _, of_a), (b, _, of_b)| of_a.cmp(of_b).then_with(|| a.expected.total_cmp(&b.expected)));
+    // An estimator that fails does so on the hard arms. Errors of a high level would outweigh all others in a mean.
+    all.sort_by(|(a, _, of_a), (b, _, of_b)| {
+        let by_share = || b.near_best.total_cmp(&a.near_best);
+        of_a.cmp(of_b).then_with(by_share).then_with(|| a.expected.total_cmp(&b.expected))
+    });
     let best = all.first().map(|(_, arms, _)| arms.clone()).unwrap_or_default();
     for (candidate, arms, _) in all.iter_mut().skip(1) {
         let logs: Vec<f64> = arms.iter().filter_map(|(arm, own)| Some(libm::log(own / best.get(arm)?))).collect();

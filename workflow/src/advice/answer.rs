@@ -17,6 +17,8 @@ pub struct Candidate {
     pub columns: String,
     /// What to expect of its error: the mean over levels of the effects, and of arms the geometric mean of theirs.
     pub expected: f64,
+    /// Share of the runs in which its error is at most a tenth above that of the best candidate there.
+    pub near_best: f64,
     /// Runs in which it gave no estimate. Of an estimator with more terms, the error there is that of the same one without them.
     pub failed: usize,
     /// Its error over all arms and levels of the effects: 90 % of them are between `low` and `high`.
@@ -80,7 +82,7 @@ pub struct AdviceAnswer {
     pub from_log: Vec<String>,
     /// What an hour more would give, by the runs of the best candidate.
     pub longer: Option<Longer>,
-    /// All candidates, the best first: those with the fewest runs without any estimate, and of them that of which the least error is expected.
+    /// All candidates, the best first: those with the fewest runs without any estimate, and of them that which is near the best in most runs.
     pub candidates: Vec<Candidate>,
     /// Base parameters that the best candidate does not determine to within a third of their value.
     pub poorly_determined: Vec<Undetermined>,
