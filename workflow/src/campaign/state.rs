@@ -147,8 +147,7 @@ impl Campaign {
                 (estimate, together) = found;
                 log = Some(again);
             }
-            campaign.add(round, estimate, &together)?;
-            campaign.logs.push(log);
+            campaign.add(round, estimate, &together, log)?;
         }
     }
 
@@ -172,18 +171,27 @@ impl Campaign {
         Self::of(self.settings.clone(), &self.folder).map(|grown| *self = grown)
     }
 
-    /// Adds a finished round.
-    fn add(&mut self, round: Round, estimate: Estimate, together: &Estimate) -> Result<(), Error> {
+    /// Adds a finished round, whose files are there. Where the estimates with added terms have no mean, all go on without the terms.
+    fn add(
+        &mut self,
+        round: Round,
+        estimate: Estimate,
+        together: &Estimate,
+        log: Option<ProcessedLog>,
+    ) -> Result<(), Error> {
         self.estimates.push(estimate);
         let all: Vec<&Estimate> = self.estimates.iter().collect();
         let together = Together { estimate: together, do_motions_differ: !self.settings.repeats };
-        let pooled = pool(&all, Some(together))
-            .map_err(|error| Error::new(format!("{}: {error}", round.estimate().display())))?;
+        let pooled = match pool(&all, Some(together)) {
+            Err(_) if !self.added_terms.is_empty() => return self.without_terms().map(|less| *self = less),
+            made => made.map_err(|error| Error::new(format!("{}: {error}", round.estimate().display())))?,
+        };
         let chance = chance_of_a_look(self.settings.most_rounds);
         for (aim, widths) in self.aims.iter().zip(&mut self.widths) {
             widths.push(aim.width(&pooled.estimate, chance)?);
         }
         self.rounds.push(round);
+        self.logs.push(log);
         self.pooled.push(pooled);
         Ok(())
     }
@@ -250,8 +258,7 @@ impl Campaign {
             *self = self.without_terms()?;
             return self.take(log, inputs, observer);
         };
-        self.logs.push(Some(log));
-        self.add(round, estimate, &together)
+        self.add(round, estimate, &together, Some(log))
     }
 
     /// The estimates of a round and of all so far, which are written. That of the round comes last: where it is, the rest is. `None` where they
