@@ -44,6 +44,7 @@ class Settings(TypedDict, total=False):
     derivatives: str | None
     cutoff_hz: float | None
     reversal_fraction: float | None
+    torque_filter: str | None
     samples: int | None
     bandwidth_hz: float | None
     onset_speed: str | None
@@ -382,6 +383,7 @@ class Robot:
         cutoff_hz: float | None = None,
         reversal_fraction: float | None = None,
         samples: int | None = None,
+        torque_filter: str | None = None,
         bandwidth_hz: float | None = None,
         onset_speed: str | None = None,
         stribeck_speed: bool = False,
@@ -416,6 +418,8 @@ class Robot:
             How velocity and acceleration are found.
         cutoff_hz, reversal_fraction, samples, bandwidth_hz : optional
             As the options of the command of the same names.
+        torque_filter : "none" or "same-as-positions", optional
+            Low pass on both sides of the equations.
         onset_speed : "found" or "stated", optional
             Whether the speed in which Coulomb friction sets in is found in the log.
         stribeck_speed : bool
@@ -461,6 +465,7 @@ class Robot:
             "cutoff_hz": cutoff_hz,
             "reversal_fraction": reversal_fraction,
             "samples_per_period": samples,
+            "torque_filter": torque_filter,
         }
         others: list[_armid.Log] = []
         if held_out is None:

@@ -3,7 +3,7 @@
 use armid::estimation::{Estimator, EstimatorKind, candidate_terms};
 use armid::model::Columns;
 use armid::model::format::parse_parameter_map;
-use armid::signal::{Derivatives, Processing};
+use armid::signal::{Derivatives, Processing, TorqueFilter};
 use armid_io::log::{HeldOut, process_all};
 use armid_io::output::pretty;
 use armid_io::{Error, Inputs, LogSettings, ProcessedLog, Text};
@@ -35,6 +35,7 @@ pub(crate) struct Reading {
     cutoff_hz: Option<f64>,
     reversal_fraction: Option<f64>,
     samples_per_period: Option<usize>,
+    torque_filter: Option<String>,
 }
 
 impl Reading {
@@ -54,6 +55,11 @@ impl Reading {
         let derivatives = self.derivatives.as_deref().map(|name| {
             let names = Derivatives::ALL.map(Derivatives::name).join(" or ");
             Derivatives::parse(name).ok_or_else(|| unexpected(format!("derivatives is \"{name}\", expected {names}")))
+        });
+        let filter = self.torque_filter.as_deref().map(|name| {
+            let names = TorqueFilter::ALL.map(TorqueFilter::name).join(" or ");
+            TorqueFilter::parse(name)
+                .ok_or_else(|| unexpected(format!("torque_filter is \"{name}\", expected {names}")))
         });
         let of_logs = || logs.iter().find_map(|log| log.period_s);
         let period_s = self.period_s.or_else(|| of_logs().filter(|_| self.finds_period));
@@ -77,6 +83,7 @@ impl Reading {
                 cutoff_hz: self.cutoff_hz.or(processing.cutoff_hz),
                 reversal_fraction: self.reversal_fraction.unwrap_or(processing.reversal_fraction),
                 samples_per_period: self.samples_per_period.unwrap_or(processing.samples_per_period),
+                torque_filter: filter.transpose()?.unwrap_or(processing.torque_filter),
                 ..processing
             },
         })

@@ -8,6 +8,7 @@ use std::path::Path;
 use armid::experiment::{Arm, Replay};
 use armid::model::format::ChainEnds;
 use armid::observer::Unobserved;
+use armid::signal::{Processing, TorqueFilter};
 use armid_io::estimate::read;
 use armid_io::recording::{FileSink, McapSink};
 use armid_io::{LogSettings, experiment};
@@ -44,7 +45,9 @@ fn perform(campaign: &mut Campaign) -> bool {
     let mut sink = Box::new(McapSink::new(&round.recording(), BTreeMap::new(), |_| {}));
     let ending = Replay(simulated.recording).perform(&planned.plan, &mut *sink).unwrap();
     let log = sink.finish(&ending, BTreeMap::new()).unwrap();
-    let (log, inputs) = LogSource::default().find(&[log], None).unwrap().process(LogSettings::default()).unwrap();
+    let processing = Processing { torque_filter: campaign.settings().torque_filter, ..Processing::default() };
+    let read = LogSettings { processing, ..LogSettings::default() };
+    let (log, inputs) = LogSource::default().find(&[log], None).unwrap().process(read).unwrap();
     campaign.take(log, &inputs, &Unobserved).unwrap();
     true
 }
@@ -140,6 +143,31 @@ fn a_term_that_the_logs_show_joins_the_model_of_all_rounds_after_a_kill_too() {
         assert_eq!(Campaign::of_folder(folder.path()).unwrap().unwrap().answer().unwrap(), answer);
         assert!(files(folder.path()) == bytes);
     }
+}
+
+#[test]
+fn a_narrow_band_of_positions_is_no_error_of_the_model_where_torque_has_it_too() {
+    let folder = tempfile::tempdir().unwrap();
+    // Counts of this arm's encoders hide the accelerations where friction reverses, and its currents show them.
+    let mut wanted = settings(&["mcx2 <= 0.05"]);
+    wanted.experiment = experiment_table("puma-560", &ChainEnds::default()).unwrap();
+    wanted.experiment.insert("rate_hz".to_owned(), Value::Float(500.0));
+    wanted.experiment.insert("periods".to_owned(), Value::Integer(4));
+    let exact = ["encoders", "converters"].map(|name| (name.to_owned(), Value::Boolean(false)));
+    wanted.experiment.insert("sensing".to_owned(), Value::Table(exact.into_iter().collect()));
+    let columns = "rigid+rotor+friction".to_owned();
+    let torque_filter = TorqueFilter::SameAsPositions;
+    let wanted = CampaignSettings {
+        columns,
+        torque_filter,
+        adds_terms: false,
+        period_s: 10.0,
+        evaluations: 60,
+        seed: 2,
+        ..wanted
+    };
+    let answer = whole(wanted, folder.path());
+    assert_eq!(answer.outcome, Outcome::Reached, "{answer:#?}");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use armid::estimation::DEFAULT_BANDWIDTH_HZ;
 use armid::model::EffortInterface;
-use armid::signal::{Derivatives, Processing};
+use armid::signal::{Derivatives, Processing, TorqueFilter};
 use armid_io::log::{FoundLogs, HeldOut};
 use armid_io::{Error, Inputs, LoadedRobot, LogSettings, ProcessedLog};
 use armid_workflow::LogSource;
@@ -73,6 +73,9 @@ pub(crate) struct LogArguments {
     /// Samples kept of the averaged period [default: 250]
     #[arg(long, value_name = "N", help_heading = "Processing")]
     samples: Option<usize>,
+    /// Low pass on both sides of the equations [default: none]
+    #[arg(long, value_parser = one_of(&TorqueFilter::ALL, TorqueFilter::name), help_heading = "Processing")]
+    torque_filter: Option<TorqueFilter>,
     /// Cut-off of the low pass on torques [default: 20]
     #[arg(long, value_name = "HZ", help_heading = "Processing")]
     bandwidth_hz: Option<f64>,
@@ -93,6 +96,11 @@ impl LogArguments {
     pub(crate) fn with_robot(mut self, robot: &str) -> Self {
         self.robot.get_or_insert_with(|| robot.to_owned());
         self
+    }
+
+    /// These logs, with this low pass on torques.
+    pub(crate) fn with_torque_filter(self, filter: TorqueFilter) -> Self {
+        Self { torque_filter: Some(filter), ..self }
     }
 
     /// These logs, to choose terms from them.
@@ -139,6 +147,7 @@ impl LogArguments {
             cutoff_hz: self.cutoff_hz.or(before.processing.cutoff_hz),
             reversal_fraction: self.reversal_fraction.unwrap_or(before.processing.reversal_fraction),
             samples_per_period: self.samples.unwrap_or(before.processing.samples_per_period),
+            torque_filter: self.torque_filter.unwrap_or(before.processing.torque_filter),
             ..before.processing
         };
         let bandwidth_hz = self.bandwidth_hz.unwrap_or(before.bandwidth_hz);

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use armid::model::Columns;
+use armid::signal::TorqueFilter;
 use armid_io::Error;
 use armid_io::estimate::read;
 use armid_io::log::HeldOut;
@@ -63,6 +64,9 @@ pub(crate) struct Arguments {
     /// Columns of the model [default: rigid+rotor+friction, and what logs show]
     #[arg(long, value_parser = columns)]
     columns: Option<Columns>,
+    /// Low pass on both sides of the equations [default: none]
+    #[arg(long, value_parser = one_of(&TorqueFilter::ALL, TorqueFilter::name))]
+    torque_filter: Option<TorqueFilter>,
     /// Independent starts of each design [default: 3]
     #[arg(long, value_name = "N")]
     starts: Option<u64>,
@@ -180,6 +184,7 @@ impl Arguments {
             self.first_speed.is_some(),
             self.repeat,
             self.columns.is_some(),
+            self.torque_filter.is_some(),
             self.starts.is_some(),
             self.evaluations.is_some(),
             self.seed.is_some(),
@@ -208,6 +213,7 @@ impl Arguments {
             first_speed: self.first_speed.unwrap_or(usual.first_speed),
             columns: self.columns.map(|columns| columns.to_string()).or(of_arm).unwrap_or(usual.columns),
             adds_terms: self.columns.is_none(),
+            torque_filter: self.torque_filter.unwrap_or(usual.torque_filter),
             period_s: self.period.unwrap_or(usual.period_s),
             starts: self.starts.unwrap_or(usual.starts),
             evaluations: self.evaluations.unwrap_or(usual.evaluations),
@@ -247,10 +253,12 @@ impl Arguments {
 
     /// How logs are read: those of armid say it themselves.
     fn log_of(&self, campaign: &Campaign) -> LogArguments {
-        if !campaign.settings().by_hand {
-            return LogArguments::default();
-        }
-        let robot = campaign.settings().experiment.get("robot").and_then(Value::as_str).unwrap_or_default();
-        LogArguments::of_table(robot.to_owned(), self.map.clone(), self.rate)
+        let logs = if campaign.settings().by_hand {
+            let robot = campaign.settings().experiment.get("robot").and_then(Value::as_str).unwrap_or_default();
+            LogArguments::of_table(robot.to_owned(), self.map.clone(), self.rate)
+        } else {
+            LogArguments::default()
+        };
+        logs.with_torque_filter(campaign.settings().torque_filter)
     }
 }

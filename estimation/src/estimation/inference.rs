@@ -254,11 +254,11 @@ impl Inference<'_> {
         Ok(products)
     }
 
-    /// Joints whose residual is much larger than scatter explains.
+    /// Joints whose residual is much larger than scatter explains; of one without a degree of freedom nothing is expected.
     fn misfit(&self, rms: &[f64], expected: &ExpectedResidual) -> Vec<Finding> {
         let joints = rms.iter().zip(&expected.rms).zip(&self.problem.observation.units).enumerate();
         joints
-            .filter(|(_, ((residual_rms, expected_rms), _))| **residual_rms > LARGE_RESIDUAL * **expected_rms)
+            .filter(|(_, ((residual, expected), _))| **expected > 0.0 && **residual > LARGE_RESIDUAL * **expected)
             .map(|(i, ((&residual_rms, &expected_rms), unit))| Finding::ResidualAboveNoise {
                 joint: i + 1,
                 residual_rms,

@@ -42,6 +42,8 @@ pub enum TorqueFilter {
     SameAsPositions,
 }
 
+crate::input::named! { TorqueFilter { None: "none", SameAsPositions: "same-as-positions" } }
+
 /// Settings of the processing from a recording to samples.
 ///
 /// ```

@@ -24,6 +24,7 @@ mod folder;
 mod logs;
 mod motion;
 mod settings;
+mod standing;
 mod state;
 mod stopping;
 mod target;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use armid::input::size::{DESIGNS, HARMONICS, PERIOD_S};
 use armid::model::Columns;
 use armid::model::format::ChainEnds;
+use armid::signal::TorqueFilter;
 use armid_io::{Error, Text, bundled_experiments, robot};
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
@@ -43,6 +44,10 @@ pub struct CampaignSettings {
     /// Whether terms that the logs show are added to them before a target counts as out of reach.
     #[serde(default)]
     pub adds_terms: bool,
+    /// Low pass of torques that logs of rounds are to be processed with. Where encoder counts make the band of positions narrow, torque of any
+    /// other band looks like that of another arm.
+    #[serde(default)]
+    pub torque_filter: TorqueFilter,
     /// Period of the motions, s.
     pub period_s: f64,
     /// Harmonics of the motions.
@@ -74,6 +79,7 @@ impl CampaignSettings {
             first_speed: 0.5,
             columns: Columns::RIGID_ROTOR_FRICTION.to_string(),
             adds_terms: true,
+            torque_filter: TorqueFilter::None,
             period_s: 10.0,
             harmonics: 5,
             starts: 3,

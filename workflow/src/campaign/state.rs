@@ -17,13 +17,11 @@ use serde_json::json;
 use toml::Value;
 
 use super::aim::Aim;
-use super::answer::{CampaignAnswer, RoundAnswer};
-use super::figure;
-use super::folder::{Round, SETTINGS, beginning_in, joined, read_toml, stated_inputs};
+use super::folder::{Round, SETTINGS, beginning_in, joined, read_toml};
 use super::logs::{are_alike, estimate, join};
 use super::motion::Motion;
 use super::settings::CampaignSettings;
-use super::stopping::{Obstacle, Outcome, Width, chance_of_a_look, is_model_error_shown, is_out_of_reach, outcome};
+use super::stopping::{Outcome, Width, chance_of_a_look, is_model_error_shown, outcome};
 use super::terms::{COLUMNS, SelectedColumns, extended};
 use crate::identification::advice;
 use crate::log_source::LogSource;
@@ -31,23 +29,23 @@ use crate::log_source::LogSource;
 /// A campaign, with the rounds that are finished.
 #[derive(Debug)]
 pub struct Campaign {
-    folder: PathBuf,
-    settings: CampaignSettings,
-    loaded: LoadedRobot,
+    pub(super) folder: PathBuf,
+    pub(super) settings: CampaignSettings,
+    pub(super) loaded: LoadedRobot,
     /// Those of all estimates: of the settings, with the terms that were added.
     columns: Columns,
-    added_terms: Vec<String>,
+    pub(super) added_terms: Vec<String>,
     /// Finished rounds when terms were selected last.
     selected_after: usize,
-    aims: Vec<Aim>,
-    rounds: Vec<Round>,
+    pub(super) aims: Vec<Aim>,
+    pub(super) rounds: Vec<Round>,
     estimates: Vec<Estimate>,
     /// The logs that were taken; of a campaign that goes on they are read again.
     logs: Vec<Option<ProcessedLog>>,
     /// After each round, by it and all before.
-    pooled: Vec<Pooled>,
+    pub(super) pooled: Vec<Pooled>,
     /// Target by target, after each round.
-    widths: Vec<Vec<Width>>,
+    pub(super) widths: Vec<Vec<Width>>,
 }
 
 /// What comes next.
@@ -104,10 +102,7 @@ impl Campaign {
         let loaded = robot::load(&named, &ends, Some(folder))?;
         let stated = Columns::parse_estimable(&settings.columns).map_err(Error::new)?;
         let selected: Option<SelectedColumns> = read_toml(&folder.join(COLUMNS))?;
-        let (columns, selected_after) = match selected {
-            Some(of) => (Columns::parse_estimable(&of.columns).map_err(Error::new)?, of.after),
-            None => (stated, 0),
-        };
+        let (columns, selected_after) = selected.map_or((stated, 0), |of| (of.columns, of.after));
         let added = columns.terms().filter(|term| !stated.has(*term)).map(|term| term.entry().name.to_owned());
         let base = reduce(&loaded.robot, columns, Method::Structural, Seed::new(0))
             .map_err(|error| Error::new(format!("robot \"{}\": {error}", loaded.robot.name())))?;
@@ -153,7 +148,7 @@ impl Campaign {
 
     /// Goes on without the terms that were added, for good: a round does not show one of them, and each needs an estimate.
     fn without_terms(&self) -> Result<Self, Error> {
-        let columns = self.settings.columns.clone();
+        let columns = Columns::parse_estimable(&self.settings.columns).map_err(Error::new)?;
         SelectedColumns { after: self.settings.most_rounds, columns }.write(&self.folder)?;
         Self::of(self.settings.clone(), &self.folder)
     }
@@ -166,7 +161,7 @@ impl Campaign {
         let before = self.rounds.len() - 1;
         let (all, _) = self.together(before, &log, &inputs)?;
         let rounds: Vec<&ProcessedLog> = self.logs.iter().take(before).flatten().chain([&log]).collect();
-        let columns = extended(&self.loaded, self.columns, all, &rounds, observer)?.to_string();
+        let columns = extended(&self.loaded, self.columns, all, &rounds, observer)?;
         SelectedColumns { after: self.rounds.len(), columns }.write(&self.folder)?;
         Self::of(self.settings.clone(), &self.folder).map(|grown| *self = grown)
     }
@@ -325,7 +320,7 @@ impl Campaign {
         Ok((join(alike)?, joined(of_alike, Inputs { robot, ..inputs.clone() })))
     }
 
-    fn outcome(&self) -> Outcome {
+    pub(super) fn outcome(&self) -> Outcome {
         if self.seeks_terms() { Outcome::Unfinished } else { self.outcome_with_columns() }
     }
 
@@ -342,66 +337,10 @@ impl Campaign {
         outcome(&targets.collect::<Vec<_>>(), self.settings.most_rounds, self.is_model_error_shown())
     }
 
-    fn is_model_error_shown(&self) -> bool {
+    pub(super) fn is_model_error_shown(&self) -> bool {
         let chance = chance_of_a_look(self.settings.most_rounds);
         // One motion is repeated for comparison: of what others would show, nothing is known.
         let last = self.pooled.last().filter(|_| !self.settings.repeats);
         last.is_some_and(|last| is_model_error_shown(&last.estimate, chance))
-    }
-
-    /// How it stands, with its estimate and its figure in the folder.
-    ///
-    /// # Errors
-    /// [`Error`] where one of them cannot be written.
-    pub fn answer(&self) -> Result<CampaignAnswer, Error> {
-        let mut total_s = 0.0;
-        let rounds = self.rounds.iter().zip(&self.pooled).enumerate().map(|(k, (round, pooled))| {
-            total_s += round.seconds;
-            RoundAnswer {
-                number: round.number,
-                seconds: round.seconds,
-                total_s,
-                widened_by: pooled.widened_by,
-                widths: self.widths.iter().map(|widths| widths[k]).collect(),
-            }
-        });
-        let rounds = rounds.collect();
-        let targets = || self.aims.iter().zip(&self.widths);
-        let is_met = |(aim, widths): (&Aim, &Vec<Width>)| {
-            widths.last().is_some_and(|last| last.half_width <= aim.target.limit())
-        };
-        let obstacles = self.pooled.last().filter(|_| self.is_model_error_shown()).map_or_else(Vec::new, |last| {
-            let blocked = targets().filter(|(aim, widths)| is_out_of_reach(aim.target.limit(), widths));
-            blocked.map(|(aim, _)| Obstacle::of(&aim.target, &last.estimate)).collect()
-        });
-        let mut answer = CampaignAnswer {
-            robot: self.loaded.robot.name().to_owned(),
-            outcome: self.outcome(),
-            targets: self.settings.until.clone(),
-            units: self.aims.iter().map(|aim| aim.unit.clone()).collect(),
-            met: targets().map(is_met).collect(),
-            obstacles,
-            added_terms: self.added_terms.clone(),
-            most_rounds: self.settings.most_rounds,
-            rounds,
-            estimate: None,
-            figure: None,
-        };
-        if let Some(pooled) = self.pooled.last() {
-            let place = self.folder.join("estimate.json");
-            let mut value = json!(pooled.estimate);
-            if let Some(last) = self.rounds.last() {
-                // Paths begin in the folder, where this file is.
-                value["inputs"] = stated_inputs(&last.together())?;
-            }
-            write_text(&place, &pretty(&value))?;
-            answer.estimate = Some(place);
-        }
-        if let Some(svg) = figure::svg(&answer)? {
-            let place = self.folder.join("progress.svg");
-            write_text(&place, &svg)?;
-            answer.figure = Some(place);
-        }
-        Ok(answer)
     }
 }
