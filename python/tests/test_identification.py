@@ -195,6 +195,12 @@ def test_findings_and_suspicions_are_warned_of_at_the_callers_line(robot, log, e
         robot.identify(armid.Log.from_arrays(standing, np.cos(standing), rate=100.0), columns="rigid", period=None)
 
 
+def test_torque_in_the_band_of_the_positions_gives_another_estimate_of_the_same_parameters(robot, log):
+    plain, filtered = (robot.identify(log, torque_filter=of) for of in ("none", "same-as-positions"))
+    difference = np.abs(filtered.values - plain.values)
+    assert difference.max() > 0 and np.all(difference < 4.0 * (plain.std + filtered.std))
+
+
 def test_logs_that_cannot_be_used_are_refused(robot, log, tmp_path):
     q = np.zeros((100, 2))
     stamps = np.arange(100) / 100.0
@@ -213,6 +219,7 @@ def test_logs_that_cannot_be_used_are_refused(robot, log, tmp_path):
         (lambda: robot.identify(log, held_out=2.0), "held_out is 2, expected a share"),
         (lambda: robot.identify(log, bandwidth_hz=-1.0), "bandwidth_hz is -1"),
         (lambda: robot.identify(log, derivatives="guess"), 'derivatives is "guess"'),
+        (lambda: robot.identify(log, torque_filter="guess"), 'torque_filter is "guess", expected none or same-as-positions'),
         (lambda: robot.identify([]), "no log is named"),
         (lambda: robot.identify(armid.Log.from_arrays(np.zeros((9, 3)), np.zeros((9, 3)), rate=1.0)), "3"),
         (lambda: armid.Estimate("[]"), "not an estimate"),
