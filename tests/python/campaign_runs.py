@@ -1,7 +1,7 @@
 """How often the intervals of `armid campaign` cover the true parameters where it ends, and how long the arm moves until then.
 
     ARMID=target/release/armid python tests/python/campaign_runs.py [--arms crs-a460 puma-560 staubli-tx40] [--campaigns 67] [--shard 1/4]
-        [--effect load-friction=0.05] [--adds-terms] [--rounds 8] [--evaluations 60] -o DIR
+        [--effect load-friction=0.05] [--adds-terms] [--torque-filter same-as-positions] [--rounds 8] [--evaluations 60] -o DIR
 
 Each arm has four targets: predicted torque, the Coulomb friction and the viscous friction of joint 2, and a first moment. Their limits are a
 share of what one D-optimal motion reaches in two rounds of a pilot; with --effect they are half of what errors of the model leave there. Arms
@@ -68,6 +68,7 @@ def campaign(arguments, arm, seed, until, repeats):
         plan.write_text(f'robot = "{arm}"\nrate_hz = 500.0\nperiods = 4\n[sensing]\nencoders = false\nconverters = false\n{effects}', encoding="utf-8")
         words = [word for target in until for word in ("--until", target)]
         words += [] if arguments.adds_terms else ["--columns", "rigid+rotor+friction"]
+        words += ["--torque-filter", arguments.torque_filter] if arguments.torque_filter else []
         words += ["--seed", seed, "--rounds", arguments.rounds, "--starts", 1, "--evaluations", arguments.evaluations]
         return armid("campaign", plan, *words, *(["--repeat"] if repeats else []), "-o", Path(scratch) / "campaign")
 
@@ -112,6 +113,7 @@ def main():
     parser.add_argument("--shard", default="1/1")
     parser.add_argument("--effect")
     parser.add_argument("--adds-terms", action="store_true", help="terms that the logs show may join the model")
+    parser.add_argument("--torque-filter")
     parser.add_argument("--rounds", type=int, default=8)
     parser.add_argument("--evaluations", type=int, default=60)
     parser.add_argument("-o", "--output", type=Path, required=True)
