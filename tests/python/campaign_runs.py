@@ -65,7 +65,7 @@ def campaign(arguments, arm, seed, until, repeats):
     with tempfile.TemporaryDirectory() as scratch:
         plan = Path(scratch) / "plan.toml"
         effects = "".join(f"[effects]\n{name} = {float(size)}\n" for name, size in [arguments.effect.split("=")]) if arguments.effect else ""
-        plan.write_text(f'robot = "{arm}"\nrate_hz = 500.0\nperiods = 4\n[sensing]\nencoders = false\nconverters = false\n{effects}', encoding="utf-8")
+        plan.write_text(f'robot = "{arm}"\narm = "{arguments.engine}"\nrate_hz = 500.0\nperiods = 4\n[sensing]\nencoders = false\nconverters = false\n{effects}', encoding="utf-8")
         words = [word for target in until for word in ("--until", target)]
         words += [] if arguments.adds_terms else ["--columns", "rigid+rotor+friction"]
         words += ["--torque-filter", arguments.torque_filter] if arguments.torque_filter else []
@@ -113,6 +113,7 @@ def main():
     parser.add_argument("--shard", default="1/1")
     parser.add_argument("--effect")
     parser.add_argument("--adds-terms", action="store_true", help="terms that the logs show may join the model")
+    parser.add_argument("--engine", default="analytic", help="what simulates the arm, as `arm` of an experiment names it")
     parser.add_argument("--torque-filter")
     parser.add_argument("--rounds", type=int, default=8)
     parser.add_argument("--evaluations", type=int, default=60)
