@@ -75,13 +75,13 @@ impl BlockWhitening {
         let (size, patterns) = (self.covariance.nrows(), self.patterns(w, used)?);
         let inverses: Vec<DMatrix<f64>> = self.factors.iter().map(|(_, factor)| factor.inverse()).collect();
         let mut out = DMatrix::zeros(w.nrows(), w.ncols());
-        // Blocks are columns in memory. Most have all their rows.
-        add_product(inverses[0].as_slice(), w.as_slice(), size, out.as_mut_slice());
         for (mut to, from) in out.column_iter_mut().zip(w.column_iter()) {
-            let blocks = to.as_mut_slice().chunks_exact_mut(size).zip(from.as_slice().chunks_exact(size));
-            for ((to, from), &pattern) in blocks.zip(&patterns).filter(|(_, pattern)| **pattern > 0) {
-                to.fill(0.0);
-                add_product(inverses[pattern].as_slice(), from, size, to);
+            let (to, from, mut first) = (to.as_mut_slice(), from.as_slice(), 0);
+            // Blocks are columns in memory, and neighbours mostly have the same rows.
+            for alike in patterns.chunk_by(|a, b| a == b) {
+                let rows = first..first + alike.len() * size;
+                first = rows.end;
+                add_product(inverses[alike[0]].as_slice(), &from[rows.clone()], size, &mut to[rows]);
             }
         }
         Ok(out)

@@ -73,6 +73,12 @@ impl ColumnProducts {
         while done < count {
             let taken = (DEPTH * SUMS - self.waiting).min(count - done);
             for (column, lines) in self.held.chunks_exact_mut(DEPTH).enumerate() {
+                if taken == DEPTH * SUMS {
+                    for (line, first) in lines.iter_mut().zip((done..).step_by(SUMS)) {
+                        line.0 = std::array::from_fn(|row| entry(first + row, column));
+                    }
+                    continue;
+                }
                 let places = lines.iter_mut().flat_map(|line| &mut line.0).skip(self.waiting);
                 for (row, place) in (done..done + taken).zip(places) {
                     *place = entry(row, column);

@@ -35,7 +35,7 @@ pub use dot::dot;
 pub use gram::Gram;
 pub use least_squares::{LeastSquares, LeastSquaresError};
 pub use left_to_right::LeftToRight;
-pub use product::{product, transpose_product};
+pub use product::{column_squares, product, transpose_product};
 pub use rank::RankRevealingQr;
 pub use row_factor::RowFactor;
 pub use tolerance::RankTolerance;

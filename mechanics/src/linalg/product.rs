@@ -11,6 +11,10 @@ use pulp::{Arch, Simd, WithSimd};
 
 /// Running sums of one entry of Aᵀ B.
 const SUMS: usize = 8;
+/// Rows from which on a column of C alone is made in parts of as many.
+const LONG: usize = 512;
+/// Columns of Aᵀ A that are made at once.
+const SQUARED: usize = 16;
 
 /// The product A B, (m × k)(k × n), each entry summed over k in ascending order: the same bits on every CPU.
 ///
@@ -30,6 +34,19 @@ pub fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
 pub fn transpose_product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     assert_eq!(a.nrows(), b.nrows(), "as many rows in both");
     transposed_product(a.as_slice(), b.as_slice(), a.nrows())
+}
+
+/// `Aᵀ A` for A (m × a), in the sums of [`transpose_product`], half of which are made.
+pub fn column_squares(a: &DMatrix<f64>) -> DMatrix<f64> {
+    let (rows, columns) = a.shape();
+    let mut squares = DMatrix::zeros(columns, columns);
+    for first in (0..columns).step_by(SQUARED).filter(|_| rows > 0) {
+        let end = (first + SQUARED).min(columns);
+        let [before, own] = [0, first].map(|from| &a.as_slice()[from * rows..end * rows]);
+        squares.view_mut((0, first), (end, end - first)).copy_from(&transposed_product(before, own, rows));
+    }
+    squares.fill_lower_triangle_with_upper_triangle();
+    squares
 }
 
 /// `C += A B` by columns: A of `rows` × k, C of `rows` × n, and B k × n.
@@ -67,6 +84,10 @@ impl WithSimd for AddProduct<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
         let columns = self.c.len() / self.rows;
+        if columns == 1 && self.rows > LONG {
+            self.long_column();
+            return;
+        }
         let mut j = 0;
         while j + 4 <= columns {
             self.columns::<S, 4>(simd, j);
@@ -80,28 +101,63 @@ impl WithSimd for AddProduct<'_> {
 }
 
 impl AddProduct<'_> {
+    /// One long column of C, in parts that stay in the first cache while the columns of A pass by, each from its beginning to its end.
+    #[inline(always)]
+    fn long_column(&mut self) {
+        for (part, c) in self.c.chunks_mut(LONG).enumerate() {
+            let (length, mut columns) = (c.len(), self.a.chunks_exact(self.rows));
+            for b in self.b.chunks(4) {
+                let mut next = || &columns.next().unwrap_or_default()[part * LONG..][..length];
+                if let &[b0, b1, b2, b3] = b {
+                    let (a0, a1, a2, a3) = (next(), next(), next(), next());
+                    for (row, c) in c.iter_mut().enumerate() {
+                        *c = (((*c + a0[row] * b0) + a1[row] * b1) + a2[row] * b2) + a3[row] * b3;
+                    }
+                } else {
+                    for b in b {
+                        c.iter_mut().zip(next()).for_each(|(c, a)| *c += a * b);
+                    }
+                }
+            }
+        }
+    }
+
     /// N columns of C from column `j` on.
     #[inline(always)]
     fn columns<S: Simd, const N: usize>(&mut self, simd: S, j: usize) {
         let lanes = S::F64_LANES;
+        // Rows beyond whole vectors are those of one that ends with the last row: a part of a vector would cost as much as many whole
+        // ones. It is found first, since it shares rows with others, and stored last, where both have the same bits.
+        let last = self.rows.checked_sub(lanes).filter(|_| !self.rows.is_multiple_of(lanes));
+        let of_last = last.map(|row| self.sums::<S, N, 1>(simd, row, j, lanes));
         let mut row = 0;
         while row + 2 * lanes <= self.rows {
-            self.tile::<S, N, 2>(simd, row, j, 2 * lanes);
+            let sums = self.sums::<S, N, 2>(simd, row, j, 2 * lanes);
+            self.store(simd, row, j, 2 * lanes, &sums);
             row += 2 * lanes;
         }
-        while row < self.rows {
+        while row < self.rows && (row + lanes <= self.rows || of_last.is_none()) {
             let count = lanes.min(self.rows - row);
-            self.tile::<S, N, 1>(simd, row, j, count);
+            let sums = self.sums::<S, N, 1>(simd, row, j, count);
+            self.store(simd, row, j, count, &sums);
             row += count;
+        }
+        if let (Some(row), Some(sums)) = (last, of_last) {
+            self.store(simd, row, j, lanes, &sums);
         }
     }
 
     /// N columns by V vectors of rows, of which `count` rows are there.
     #[inline(always)]
-    fn tile<S: Simd, const N: usize, const V: usize>(&mut self, simd: S, row: usize, j: usize, count: usize) {
-        let (rows, lanes) = (self.rows, S::F64_LANES);
+    fn sums<S: Simd, const N: usize, const V: usize>(
+        &self,
+        simd: S,
+        row: usize,
+        j: usize,
+        count: usize,
+    ) -> [[S::f64s; V]; N] {
+        let rows = self.rows;
         let inner = self.a.len() / rows;
-        let whole = count == V * lanes;
         let mut sums = [[simd.splat_f64s(0.0); V]; N];
         for n in 0..N {
             sums[n] = load::<S, V>(simd, &self.c[(j + n) * rows + row..][..count]);
@@ -115,9 +171,21 @@ impl AddProduct<'_> {
                 }
             }
         }
+        sums
+    }
+
+    #[inline(always)]
+    fn store<S: Simd, const N: usize, const V: usize>(
+        &mut self,
+        simd: S,
+        row: usize,
+        j: usize,
+        count: usize,
+        sums: &[[S::f64s; V]; N],
+    ) {
         for n in 0..N {
-            let to = &mut self.c[(j + n) * rows + row..][..count];
-            if whole {
+            let to = &mut self.c[(j + n) * self.rows + row..][..count];
+            if count == V * S::F64_LANES {
                 S::as_mut_simd_f64s(to).0.copy_from_slice(&sums[n]);
             } else {
                 simd.partial_store_f64s(to, sums[n][0]);
@@ -195,9 +263,7 @@ impl TransposedProduct<'_> {
         for x in 0..I {
             for y in 0..J {
                 let mut s = [0.0; SUMS];
-                for v in 0..vectors {
-                    simd.partial_store_f64s(&mut s[v * S::F64_LANES..][..S::F64_LANES], sums[x][y][v]);
-                }
+                S::as_mut_simd_f64s(&mut s).0.copy_from_slice(&sums[x][y][..vectors]);
                 for (s, row) in s.iter_mut().zip(whole..rows) {
                     *s += a[x][row] * b[y][row];
                 }
@@ -233,7 +299,7 @@ mod tests {
 
     #[test]
     fn identity_product_is_the_sum_in_order_to_the_bit() {
-        for (m, k, n) in [(5, 7, 3), (64, 9, 6), (37, 20, 11), (1, 1, 1), (3, 0, 2)] {
+        for (m, k, n) in [(5, 7, 3), (64, 9, 6), (37, 20, 11), (1, 1, 1), (3, 0, 2), (1100, 11, 1)] {
             let (a, b) = (sample(m, k), sample(k, n));
             let c = product(&a, &b);
             for i in 0..m {
@@ -259,11 +325,24 @@ mod tests {
     }
 
     #[test]
+    fn identity_squares_of_columns_are_their_products_to_the_bit() {
+        for (rows, columns) in [(1, 2), (61, 9), (21, 37)] {
+            let a = sample(rows, columns);
+            assert_eq!(column_squares(&a), transpose_product(&a, &a));
+        }
+        assert_eq!(column_squares(&sample(0, 2)), DMatrix::zeros(2, 2));
+    }
+
+    #[test]
     fn identity_the_width_of_the_processor_changes_no_bit() {
         let (a, b, d) = (sample(61, 9), sample(9, 6), sample(61, 5));
         let mut narrow = vec![0.0; 61 * 6];
         Arch::Scalar.dispatch(AddProduct { a: a.as_slice(), b: b.as_slice(), rows: 61, c: &mut narrow });
         assert_eq!(narrow, product(&a, &b).as_slice());
+        let (long, one) = (sample(1037, 6), sample(6, 1));
+        let mut narrow = vec![0.0; 1037];
+        Arch::Scalar.dispatch(AddProduct { a: long.as_slice(), b: one.as_slice(), rows: 1037, c: &mut narrow });
+        assert_eq!(narrow, product(&long, &one).as_slice());
         let mut narrow = vec![0.0; 9 * 5];
         let (a, b) = (a.as_slice(), d.as_slice());
         Arch::Scalar.dispatch(TransposedProduct { a, b, stride: 61, rows: 61, c: &mut narrow });
