@@ -26,6 +26,7 @@ mod rank;
 mod row_factor;
 mod tolerance;
 mod triangular;
+mod upper_root;
 
 pub use block_whitening::BlockWhitening;
 pub use column_products::ColumnProducts;
@@ -40,3 +41,4 @@ pub use rank::RankRevealingQr;
 pub use row_factor::RowFactor;
 pub use tolerance::RankTolerance;
 pub use triangular::{solve_upper, triangular_factor};
+pub use upper_root::UpperRoot;

@@ -13,7 +13,7 @@ use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 use super::blocks::BlockedEquations;
 use super::features::{Functions, SHARED};
 use super::sizes::ReducedResidual;
-use crate::linalg::{RowFactor, product, transpose_product};
+use crate::linalg::{RowFactor, column_squares, product, transpose_product};
 use crate::signal::{FourierTransform, NoiseModel};
 use crate::statistics::f_tail;
 
@@ -130,7 +130,7 @@ impl JointResidual {
 
     /// Probability that chance exceeds the square of the residual along a group's functions.
     fn chance(&self, group: &DMatrix<f64>) -> f64 {
-        let gram = transpose_product(group, group);
+        let gram = column_squares(group);
         let (trace, square) = (gram.trace(), gram.norm_squared());
         let seen = group.tr_mul(&self.residual).norm_squared();
         if trace > 0.0 && square > 0.0 {
@@ -146,7 +146,7 @@ impl JointResidual {
         let mut kept: Vec<DMatrix<f64>> = Vec::new();
         let mut visible = Vec::new();
         for group in self.groups.iter().filter(|_| own) {
-            let eigen = SymmetricEigen::new(transpose_product(group, group));
+            let eigen = SymmetricEigen::new(column_squares(group));
             let least = LEAST_DIRECTION * eigen.eigenvalues.max().max(f64::MIN_POSITIVE);
             let places: Vec<usize> = (0..eigen.eigenvalues.len()).filter(|&j| eigen.eigenvalues[j] > least).collect();
             let directions = group * eigen.eigenvectors.select_columns(&places);
@@ -172,9 +172,8 @@ impl JointResidual {
         let factor = factor.finish();
         let mut first = 0;
         let group = |of: &DMatrix<f64>| {
-            let part = factor.view((0, first), (width, of.ncols())).into_owned();
             first += of.ncols();
-            product(&part, &part.transpose())
+            factor.view((0, first - of.ncols()), (width, of.ncols())).into_owned()
         };
         let groups = kept.iter().map(group).collect();
         let residual = factor.view((0, width), (width, 1)).column(0).into_owned();

@@ -5,7 +5,8 @@
 //! v_k ← v_k √( ‖F_kᵀ V⁻¹ r‖² / tr F_kᵀ V⁻¹ F_k )        std v_k = √2 / ‖F_kᵀ V⁻¹ F_k‖ (expected information)
 //! ```
 //! The minorisation of H. Zhou, L. Hu, J. Zhou, K. Lange, "MM algorithms for variance components models", J. Comput. Graph. Stat.
-//! 28(2), 2019: no step lowers the likelihood, no size becomes negative.
+//! 28(2), 2019: no step lowers the likelihood, no size becomes negative. With `V = U Uᵀ` it needs `U⁻¹ F_k` and `U⁻¹ r` alone, since the traces of
+//! all parts of `V⁻¹ V` sum to d.
 //!
 //! What a few functions tell of their own size is little, and what the regressor hides nearly whole tells nothing. So a
 //! joint's own group counts where its size is above its standard deviation, a law of all joints has [`SHARED_STD`] of them
@@ -15,7 +16,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::features::SHARED;
-use crate::linalg::{definite_inverse, product};
+use crate::linalg::product::transposed_product;
+use crate::linalg::{UpperRoot, column_squares, dot, product};
 
 /// Steps at most; a size that still moves then is taken as it stands, which is nearer than any before.
 const STEPS: usize = 40;
@@ -36,7 +38,7 @@ const WHITE_SHARE: f64 = 0.35;
 pub(super) struct ReducedResidual {
     /// d.
     pub(super) residual: DVector<f64>,
-    /// F_k F_kᵀ, d × d each: the joint's own groups, then the shared laws.
+    /// F_k, d × functions each: the joint's own groups, then the shared laws.
     pub(super) groups: Vec<DMatrix<f64>>,
     /// Square of the rest, and its degrees of freedom. Where functions depend on others, rounding decides which of the residual is here: it
     /// moves the start of the search, and its end within its tolerance.
@@ -63,16 +65,24 @@ struct Joint<'a> {
     reduced: &'a ReducedResidual,
     own: Vec<f64>,
     white: f64,
-    precision: DMatrix<f64>,
+    /// The rows and columns of F_k F_kᵀ that are not zero, for each k.
+    squares: Vec<DMatrix<f64>>,
+    /// U⁻¹ F_k of all k side by side and U⁻¹ r, at the last step.
+    divided: DMatrix<f64>,
 }
 
 impl<'a> Joint<'a> {
     fn new(reduced: &'a ReducedResidual) -> Self {
         let (rest, freedom) = (reduced.rest_square, reduced.rest_freedom);
         let white = if freedom > 0.0 { (rest / freedom).max(1.0) } else { 1.0 };
-        let d = reduced.residual.len();
         let own = reduced.visible.iter().map(|visible| visible.max(1e-6)).collect();
-        Self { reduced, own, white, precision: DMatrix::identity(d, d) }
+        let square = |group: &DMatrix<f64>| {
+            let height = (0..group.nrows()).rev().find(|&row| group.row(row).iter().any(|entry| *entry != 0.0));
+            let part = group.rows(0, height.map_or(0, |last| last + 1)).into_owned();
+            product(&part, &part.transpose())
+        };
+        let squares = reduced.groups.iter().map(square).collect();
+        Self { reduced, own, white, squares, divided: reduced.columns() }
     }
 
     /// A step of its own sizes; adds `‖F_kᵀ V⁻¹ r‖²` and `tr F_kᵀ V⁻¹ F_k` of the shared laws to `sums`. The largest relative
@@ -81,37 +91,76 @@ impl<'a> Joint<'a> {
         let reduced = self.reduced;
         let d = reduced.residual.len();
         let mut v = DMatrix::from_diagonal_element(d, d, self.white);
-        for (group, &size) in reduced.groups.iter().zip(self.own.iter().chain(shared)) {
-            v.zip_apply(group, |sum, entry| *sum += size * entry);
+        for (square, &size) in self.squares.iter().zip(self.own.iter().chain(shared)) {
+            for (j, column) in square.column_iter().enumerate() {
+                let upper = &mut v.as_mut_slice()[j * d..][..=j];
+                upper.iter_mut().zip(column.iter()).for_each(|(sum, entry)| *sum += size * entry);
+            }
         }
-        self.precision = definite_inverse(v)?;
-        let z = &self.precision * &reduced.residual;
-        let of = |group: &DMatrix<f64>| [z.dot(&(group * &z)).max(0.0), group.dot(&self.precision)];
+        let root = UpperRoot::new(v)?;
+        self.divided = reduced.columns();
+        root.divide(&mut self.divided);
+        let seen_and_traces = self.seen_and_traces();
+        let sizes = self.own.iter().chain(shared);
+        let of_functions: f64 = sizes.zip(&seen_and_traces).map(|(size, [_, trace])| size * trace).sum();
+        let trace = ((d as f64 - of_functions) / self.white).max(0.0);
         let largest = self.own.iter().fold(0.0_f64, |a, &b| a.max(b));
         let mut change: f64 = 0.0;
-        for (group, size) in reduced.groups.iter().zip(&mut self.own) {
-            let next = stepped(*size, of(group));
+        for (size, &of) in self.own.iter_mut().zip(&seen_and_traces) {
+            let next = stepped(*size, of);
             change = change.max((next - *size).abs() / largest);
             *size = next;
         }
-        for (group, sums) in reduced.groups[self.own.len()..].iter().zip(sums) {
-            let [seen, trace] = of(group);
+        for ([seen, trace], sums) in seen_and_traces[self.own.len()..].iter().zip(sums) {
             *sums = [sums[0] + seen, sums[1] + trace];
         }
+        let mut z = self.divided.column(self.divided.ncols() - 1).into_owned();
+        root.divide_transposed(z.as_mut_slice());
         let seen = z.norm_squared() + reduced.rest_square / (self.white * self.white);
-        let next = stepped(self.white, [seen, self.precision.trace() + reduced.rest_freedom / self.white]).max(1.0);
+        let next = stepped(self.white, [seen, trace + reduced.rest_freedom / self.white]).max(1.0);
         change = change.max((next - self.white).abs() / self.white);
         self.white = next;
         Some(change)
     }
 
+    /// The functions of each group, divided.
+    fn divided_groups(&self) -> impl Iterator<Item = &[f64]> {
+        let mut rest = self.divided.as_slice();
+        self.reduced.groups.iter().map(move |group| {
+            let (own, others) = rest.split_at(group.len());
+            rest = others;
+            own
+        })
+    }
+
+    /// `‖F_kᵀ V⁻¹ r‖²` and `tr F_kᵀ V⁻¹ F_k` of every group.
+    fn seen_and_traces(&self) -> Vec<[f64; 2]> {
+        let d = self.reduced.residual.len();
+        let residual = &self.divided.as_slice()[self.divided.len() - d..];
+        let of = |group: &[f64]| {
+            let seen = transposed_product(group, residual, d);
+            let traces = transposed_product(group, group, group.len());
+            [dot(seen.as_slice(), seen.as_slice()), traces.iter().sum()]
+        };
+        self.divided_groups().map(of).collect()
+    }
+
     /// `½ ‖F_kᵀ V⁻¹ F_k‖²` of every group.
     fn information(&self) -> Vec<f64> {
-        let of = |group: &DMatrix<f64>| {
-            let part = product(&self.precision, group);
-            0.5 * part.dot(&part.transpose())
-        };
-        self.reduced.groups.iter().map(of).collect()
+        let groups = self.divided_groups().zip(&self.reduced.groups);
+        groups
+            .map(|(divided, of)| {
+                0.5 * column_squares(&DMatrix::from_column_slice(of.nrows(), of.ncols(), divided)).norm_squared()
+            })
+            .collect()
+    }
+}
+
+impl ReducedResidual {
+    /// All functions and the residual behind them.
+    fn columns(&self) -> DMatrix<f64> {
+        let columns = self.groups.iter().flat_map(DMatrix::column_iter);
+        DMatrix::from_columns(&columns.chain([self.residual.column(0)]).collect::<Vec<_>>())
     }
 }
 
@@ -180,7 +229,7 @@ mod tests {
         let none = DMatrix::zeros(k, k);
         ReducedResidual {
             residual: DVector::from_element(k, r),
-            groups: vec![DMatrix::from_diagonal_element(k, k, g), none.clone(), none.clone(), none],
+            groups: vec![DMatrix::from_diagonal_element(k, k, g.sqrt()), none.clone(), none.clone(), none],
             rest_square: 1e6,
             rest_freedom: 1e6,
             visible: vec![visible],
@@ -207,7 +256,7 @@ mod tests {
             .map(|_| ReducedResidual {
                 residual: DVector::from_element(1, 5.0),
                 groups: vec![
-                    DMatrix::from_element(1, 1, 4.0),
+                    DMatrix::from_element(1, 1, 2.0),
                     DMatrix::from_element(1, 1, 0.0),
                     DMatrix::from_element(1, 1, 0.0),
                 ],
