@@ -15,6 +15,13 @@ pub(super) fn joint_entries(w: &DMatrix<f64>, dof: usize, i: usize, j: usize) ->
     w.as_slice()[j * w.nrows()..(j + 1) * w.nrows()].iter().skip(i).step_by(dof).copied()
 }
 
+/// Writes these entries, as many as there are places.
+pub(super) fn put_joint_entries(w: &DMatrix<f64>, dof: usize, i: usize, j: usize, to: &mut [f64]) {
+    for (to, sample) in to.iter_mut().zip(w.as_slice()[j * w.nrows()..(j + 1) * w.nrows()].chunks_exact(dof)) {
+        *to = sample[i];
+    }
+}
+
 /// The columns of the joints of a group that are not zero, joint by joint, each with its torque last.
 pub(super) struct Entries<'a> {
     /// Joint and column of each; the torque's column is b.

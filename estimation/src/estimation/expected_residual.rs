@@ -11,7 +11,7 @@ use std::ops::Range;
 
 use nalgebra::DMatrix;
 
-use super::entries::joint_entries;
+use super::entries::{joint_entries, put_joint_entries};
 use super::error::EstimationError;
 use super::instruments::COLUMNS;
 use super::instruments::Instruments;
@@ -45,11 +45,11 @@ impl ExpectedResidual {
             let range = first..(first + COLUMNS).min(inverse.ncols());
             let spread = operator.apply(&instruments.columns(observation, range.clone())?);
             for (i, sums) in joints.iter_mut().enumerate() {
-                let of_joint = |j: usize| with_end(observation, i, joint_entries(&spread, n, i, j));
-                let spread: Vec<f64> = (0..range.len()).flat_map(of_joint).collect();
+                let places: Vec<usize> = (0..range.len()).collect();
+                let spread = with_end(observation, i, &spread, &places);
                 let gain = sums.fitted(&inverse, range.clone());
-                sums.add(gain.as_slice(), &spread, -1.0);
-                sums.add(&spread, gain.as_slice(), -1.0);
+                sums.add(gain.as_slice(), spread.as_slice(), -1.0);
+                sums.add(spread.as_slice(), gain.as_slice(), -1.0);
                 sums.add_covariance(covariance, range.clone());
             }
         }
@@ -69,10 +69,17 @@ impl ExpectedResidual {
     }
 }
 
-/// Entries of a joint, zero where they are no equation, and a zero behind the last.
-fn with_end(observation: &Observation, joint: usize, entries: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
-    let used = observation.used.iter().skip(joint).step_by(observation.dof);
-    entries.zip(used).map(|(entry, used)| if *used { entry } else { 0.0 }).chain([0.0])
+/// Entries of a joint in some columns, zero where they are no equation, and a zero behind the last of each.
+fn with_end(observation: &Observation, joint: usize, w: &DMatrix<f64>, columns: &[usize]) -> DMatrix<f64> {
+    let (n, samples) = (observation.dof, observation.samples());
+    let unused: Vec<usize> = (0..samples).filter(|k| !observation.used[k * n + joint]).collect();
+    let mut rows = DMatrix::zeros(samples + 1, columns.len());
+    for (mut column, &j) in rows.column_iter_mut().zip(columns) {
+        let column = column.as_mut_slice();
+        put_joint_entries(w, n, joint, j, column);
+        unused.iter().for_each(|&k| column[k] = 0.0);
+    }
+    rows
 }
 
 /// The equations of one joint, and sums over them of products of an equation's numbers with its own and with those of the next.
@@ -91,8 +98,7 @@ impl JointSums {
         let entries = |j: usize| joint_entries(&observation.regressor, observation.dof, joint, j);
         let columns: Vec<usize> =
             (0..observation.regressor.ncols()).filter(|&j| entries(j).any(|entry| entry != 0.0)).collect();
-        let rows = columns.iter().flat_map(|&j| with_end(observation, joint, entries(j)));
-        let rows = DMatrix::from_iterator(observation.samples() + 1, columns.len(), rows);
+        let rows = with_end(observation, joint, &observation.regressor, &columns);
         Self { columns, rows, count: 1, power: 0.0, neighbours: 0.0 }
     }
 

@@ -7,8 +7,8 @@
 
 use nalgebra::DMatrix;
 
-use super::entries::joint_entries;
-use crate::linalg::transpose_product;
+use super::entries::{joint_entries, put_joint_entries};
+use crate::linalg::column_squares;
 
 /// S of all joints, b × b each, without columns that are zero.
 #[derive(Clone, Debug)]
@@ -29,18 +29,29 @@ impl JointProducts {
             .flat_map(|i| (0..columns).map(move |j| (i, j)))
             .filter(|&(i, j)| joint_entries(rows, dof, i, j).any(|entry| entry != 0.0))
             .collect();
-        let entries = places.iter().flat_map(|&(i, j)| joint_entries(rows, dof, i, j));
-        let entries = DMatrix::from_iterator(rows.nrows() / dof, places.len(), entries);
-        Self { sums: transpose_product(&entries, &entries), places, columns }
+        let mut entries = DMatrix::zeros(rows.nrows() / dof, places.len());
+        for (mut column, &(i, j)) in entries.column_iter_mut().zip(&places) {
+            put_joint_entries(rows, dof, i, j, column.as_mut_slice());
+        }
+        Self { sums: column_squares(&entries), places, columns }
     }
 
     /// `Σ_k W_kᵀ Q W_k`, b × b, for Q (n × n).
     pub(super) fn between(&self, q: &DMatrix<f64>) -> DMatrix<f64> {
         let mut sum = DMatrix::zeros(self.columns, self.columns);
         for (sums, &(j, column)) in self.sums.column_iter().zip(&self.places) {
-            let (mut sum, q) = (sum.column_mut(column), q.column(j));
-            for (of_pair, &(i, row)) in sums.iter().zip(&self.places) {
-                sum[row] += q[i] * of_pair;
+            let mut done = 0;
+            let (mut sum, q, sums) = (sum.column_mut(column), q.column(j), sums.as_slice());
+            let sum = sum.as_mut_slice();
+            for own in self.places.chunk_by(|a, b| a.0 == b.0) {
+                let (size, first) = (q[own[0].0], done);
+                done += own.len();
+                if size == 0.0 {
+                    continue;
+                }
+                for (of_pair, &(_, row)) in sums[first..].iter().zip(own) {
+                    sum[row] += size * of_pair;
+                }
             }
         }
         sum

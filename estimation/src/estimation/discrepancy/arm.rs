@@ -12,7 +12,7 @@ use crate::estimation::finding::Finding;
 use crate::estimation::instruments::COLUMNS;
 use crate::estimation::instruments::Instruments;
 use crate::estimation::observation::Observation;
-use crate::linalg::product;
+use crate::linalg::{product, transpose_product};
 use crate::signal::{NoiseModel, Samples};
 use crate::statistics::root_mean_square;
 
@@ -120,7 +120,7 @@ impl Discrepancy {
             let columns = instruments.columns(observation, range.clone())?;
             for (joint, spread) in self.joints.iter().zip(&mut spread) {
                 let sums = self.blocks.sums(&columns, joint.joint);
-                let part = product(&sums.transpose(), &joint.functions);
+                let part = transpose_product(&sums, &joint.functions);
                 spread.rows_range_mut(range.clone()).copy_from(&part);
             }
         }

@@ -114,10 +114,15 @@ impl BlockedEquations {
 
     /// Sums of a joint's rows over blocks, count × columns.
     pub(super) fn sums(&self, columns: &DMatrix<f64>, joint: usize) -> DMatrix<f64> {
-        DMatrix::from_fn(self.count, columns.ncols(), |block, j| {
-            let last = if block + 1 == self.count { self.samples } else { (block + 1) * self.length };
-            (block * self.length..last).map(|k| columns[(k * self.dof + joint, j)]).sum()
-        })
+        let mut sums = DMatrix::zeros(self.count, columns.ncols());
+        for (mut sums, column) in sums.column_iter_mut().zip(columns.column_iter()) {
+            let (sums, mut samples) = (sums.as_mut_slice(), column.as_slice().chunks_exact(self.dof));
+            for (block, sum) in sums.iter_mut().enumerate() {
+                let length = if block + 1 == self.count { self.samples } else { self.length };
+                *sum = samples.by_ref().take(length).map(|sample| sample[joint]).sum();
+            }
+        }
+        sums
     }
 
     /// Lag covariances of a joint's block means, from lag zero: `1/D² Σ_ab R(l D + b − a)`.
