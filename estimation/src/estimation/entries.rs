@@ -37,10 +37,13 @@ impl<'a> Entries<'a> {
     pub(super) fn of(observation: &'a Observation, used: &[bool], samples: &'a [usize]) -> Self {
         let (n, b, w) = (observation.dof, observation.regressor.ncols(), &observation.regressor);
         let rows = w.nrows();
-        let seen = |i: usize, j: usize| samples.iter().any(|&k| w.as_slice()[j * rows + k * n + i] != 0.0);
+        // Column by column, so that one stays in a cache for all joints.
+        let seen = |column: &[f64], i: usize| used[i] && samples.iter().any(|&k| column[k * n + i] != 0.0);
+        let seen: Vec<bool> =
+            w.as_slice().chunks_exact(rows.max(1)).flat_map(|column| (0..n).map(move |i| seen(column, i))).collect();
         let places: Vec<(usize, usize)> = (0..n)
             .filter(|&i| used[i])
-            .flat_map(|i| (0..b).filter(move |&j| seen(i, j)).map(move |j| (i, j)).chain([(i, b)]))
+            .flat_map(|i| (0..b).map(move |j| (i, j)).filter(|(i, j)| seen[j * n + i]).chain([(i, b)]))
             .collect();
         let source = |&(i, j): &(usize, usize)| {
             if j < b { &w.as_slice()[j * rows + i..(j + 1) * rows] } else { &observation.y.as_slice()[i..] }
@@ -93,8 +96,15 @@ impl<'a> Entries<'a> {
         if !self.fill(WORTH_PRODUCTS) {
             return Some(self.rows_by_reflections());
         }
-        let mut products = ColumnProducts::new(self.places.len());
-        products.add(self.samples.len(), |k, entry| self.at(k, entry));
+        let (mut products, n) = (ColumnProducts::new(self.places.len()), self.sizes.0);
+        match self.samples {
+            // Mostly they are all, one after the other.
+            &[first, .., last] if last - first + 1 == self.samples.len() => {
+                let sources: Vec<&[f64]> = self.sources.iter().map(|source| &source[first * n..]).collect();
+                products.add(self.samples.len(), |k, entry| sources[entry][k * n]);
+            }
+            _ => products.add(self.samples.len(), |k, entry| self.at(k, entry)),
+        }
         let root = products.root()?;
         Some(self.rows(root.nrows(), |k, entry| root[(k, entry)]))
     }
