@@ -61,7 +61,9 @@ pub(super) fn refused<T>(
 
 /// Checks that every value of a row-major series is a finite number.
 pub(super) fn check_finite(quantity: &'static str, values: &[f64], dof: usize) -> Result<(), SignalError> {
-    match values.iter().position(|value| !value.is_finite()) {
+    // Nearly always all are, which is found without a branch at each.
+    let all = values.chunks(64).all(|some| some.iter().fold(true, |all, value| all & value.is_finite()));
+    match (!all).then(|| values.iter().position(|value| !value.is_finite())).flatten() {
         Some(at) => Err(SignalError::NotFinite { quantity, joint: at % dof + 1, sample: at / dof, value: values[at] }),
         None => Ok(()),
     }

@@ -30,7 +30,10 @@ pub struct LagProducts {
 impl LagProducts {
     /// The products of `x`, N × n row-major; `wraps` where the samples are one period.
     pub fn new(x: &[f64], dof: usize, wraps: bool) -> Self {
-        let series = (0..dof).flat_map(|i| x.iter().skip(i).step_by(dof).copied()).collect();
+        let (count, mut series) = (x.len() / dof.max(1), vec![0.0; x.len()]);
+        for (k, sample) in x.chunks_exact(dof.max(1)).enumerate() {
+            sample.iter().enumerate().for_each(|(i, value)| series[i * count + k] = *value);
+        }
         Self { dof, wraps, series, all: Vec::new() }
     }
 
@@ -68,6 +71,12 @@ impl LagProducts {
         } else {
             inner
         }
+    }
+
+    /// The diagonal of c(0), n.
+    pub(super) fn squares(&self) -> Vec<f64> {
+        let count = self.count();
+        self.series.chunks_exact(count).map(|own| transposed_product_of_parts(own, own, count, count)[(0, 0)]).collect()
     }
 
     /// Linear correlations of all pairs, padded with zeros so that nothing of one end meets the other.

@@ -104,16 +104,19 @@ impl PeriodAverage {
     /// As [`PeriodicRecord::check`].
     pub fn new(record: &PeriodicRecord<'_>) -> Result<Self, SignalError> {
         record.check()?;
+        Ok(Self::of_checked(record))
+    }
+
+    /// Averages a record that was checked.
+    pub(super) fn of_checked(record: &PeriodicRecord<'_>) -> Self {
         let (n, len, periods) = (record.dof, record.period_samples, record.periods());
         let q = average(record.q, n * len);
         let effort = average(record.effort, n * len);
         let degrees_of_freedom = len * (periods - 1);
-        let scatter = |x: &[f64], mean: &[f64]| {
-            (degrees_of_freedom > 0).then(|| covariance(x, mean, n) / degrees_of_freedom as f64)
-        };
-        Ok(Self {
-            q_variance: scatter(record.q, &q).map(|c| c.diagonal().iter().copied().collect()),
-            effort_covariance: scatter(record.effort, &effort),
+        let scatters = degrees_of_freedom > 0;
+        Self {
+            q_variance: scatters.then(|| variances(record.q, &q, n, degrees_of_freedom as f64)),
+            effort_covariance: scatters.then(|| covariance(record.effort, &effort, n) / degrees_of_freedom as f64),
             dof: n,
             rate_hz: record.rate_hz,
             period_s: len as f64 / record.rate_hz,
@@ -121,7 +124,7 @@ impl PeriodAverage {
             q,
             effort,
             degrees_of_freedom,
-        })
+        }
     }
 
     /// Samples in the period, N.
@@ -153,6 +156,16 @@ fn average(x: &[f64], block: usize) -> Vec<f64> {
 /// Deviations of one period from the mean, row by row.
 pub(super) fn deviations(period: &[f64], mean: &[f64]) -> Vec<f64> {
     period.iter().zip(mean).map(|(x, mean)| x - mean).collect()
+}
+
+/// The diagonal of [`covariance`] over `count`.
+fn variances(x: &[f64], mean: &[f64], n: usize, count: f64) -> Vec<f64> {
+    let mut sums = vec![0.0; n];
+    for period in x.chunks_exact(mean.len()) {
+        let squares = LagProducts::new(&deviations(period, mean), n, true).squares();
+        sums.iter_mut().zip(squares).for_each(|(sum, square)| *sum += square);
+    }
+    sums.iter().map(|sum| sum / count).collect()
 }
 
 /// Σ e eᵀ over all rows of `x` (row-major, n wide), `e = x − mean` with `mean` repeated.

@@ -35,7 +35,7 @@ pub fn process_periods(
     }
     let torque = map_rows(record.effort, &torque_map(robot, effort));
     let record = PeriodicRecord { effort: &torque, ..*record };
-    let average = PeriodAverage::new(&record)?;
+    let average = PeriodAverage::of_checked(&record);
     let len = average.len();
     let block = block(len, processing.samples_per_period, highest_hz * average.period_s)?;
     let transform = FourierTransform::new(len);
