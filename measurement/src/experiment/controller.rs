@@ -116,20 +116,27 @@ impl JointPid {
     /// One servo step: commanded and measured motor coordinates (rad) in, motor currents (A) out, n each. Returns
     /// whether a current is at its limit.
     pub fn step(&mut self, command: &[f64], measured: &[f64], current: &mut [f64]) -> bool {
-        let mut saturated = false;
-        for i in 0..current.len() {
+        let (n, mut saturated) = (current.len(), false);
+        // Of one known length, so that no entry is checked by itself.
+        let [command, measured] = [command, measured].map(|x| &x[..n]);
+        let [kp, kd, ki, ampere, limit, smoothing] =
+            [&self.kp, &self.kd, &self.ki, &self.ampere, &self.limit, &self.smoothing].map(|x| &x[..n]);
+        let [integral, rate, last_error] =
+            [&mut self.integral, &mut self.rate, &mut self.last_error].map(|x| &mut x[..n]);
+        let [was_held, rested] = [&mut self.held, &mut self.rested].map(|x| &mut x[..n]);
+        for i in 0..n {
             let error = command[i] - measured[i];
-            let difference = if self.fresh { 0.0 } else { (error - self.last_error[i]) * self.rate_hz };
-            self.last_error[i] = error;
-            self.rate[i] += self.smoothing[i] * (difference - self.rate[i]);
-            let wanted = (self.kp[i] * error + self.kd[i] * self.rate[i] + self.integral[i]) * self.ampere[i];
-            current[i] = wanted.clamp(-self.limit[i], self.limit[i]);
-            let held = wanted.abs() > self.limit[i];
+            let difference = if self.fresh { 0.0 } else { (error - last_error[i]) * self.rate_hz };
+            last_error[i] = error;
+            rate[i] += smoothing[i] * (difference - rate[i]);
+            let wanted = (kp[i] * error + kd[i] * rate[i] + integral[i]) * ampere[i];
+            current[i] = wanted.clamp(-limit[i], limit[i]);
+            let held = wanted.abs() > limit[i];
             saturated |= held;
-            self.held[i] = held;
-            self.rested[i] = held && wanted * error > 0.0;
-            if !self.rested[i] {
-                self.integral[i] += self.ki[i] * error * self.dt;
+            was_held[i] = held;
+            rested[i] = held && wanted * error > 0.0;
+            if !rested[i] {
+                integral[i] += ki[i] * error * self.dt;
             }
         }
         self.fresh = false;

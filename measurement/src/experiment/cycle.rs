@@ -157,13 +157,15 @@ impl Cycle {
             let (late_s, lost) = self.clock.as_mut().map_or((0.0, false), |clock| (clock.lateness(), clock.loses()));
             self.joints.sense_late(late_s, lost);
             observer(&TrueState { index, t, phase, q, qd, tau: self.joints.tau() });
-            let tables = self.joints.reported();
-            let [q, effort, voltage, link_q] = match &mut self.slips {
-                None => tables,
-                Some(slips) => slips.written(tables),
+            let mut put = |[q, effort, voltage, link_q]: [&[f64]; 4]| {
+                sink.sample(&RawSample { index, t, phase, q, effort, voltage, link_q, command })
             };
-            let sample = RawSample { index, t, phase, q, effort, voltage, link_q, command };
-            if sink.sample(&sample).ends() {
+            let reported = self.joints.reported();
+            let flow = match &mut self.slips {
+                None => put(reported),
+                Some(slips) => put(slips.written(reported)),
+            };
+            if flow.ends() {
                 return self.end(Ending::Stopped { t, phase, rest: Rest::Simulated });
             }
         }
@@ -187,7 +189,7 @@ impl Cycle {
         if let Some(fault) = PlantError::of_state(q, qd) {
             return Some(DivergenceError::Plant(fault));
         }
-        let i = (0..qd.len()).find(|&i| qd[i].abs() > self.runaway[i])?;
+        let i = qd.iter().zip(&self.runaway).position(|(qd, limit)| qd.abs() > *limit)?;
         Some(DivergenceError::Speed { joint: self.names[i].clone(), found: qd[i].abs(), limit: self.runaway[i] / 10.0 })
     }
 }

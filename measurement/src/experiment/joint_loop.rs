@@ -187,14 +187,16 @@ impl JointLoop {
             drives.speeds(&mut self.qd_motor);
         }
         self.sensors.positions(&self.q_motor, &mut self.measured);
-        self.before.copy_from_slice(&self.current);
+        std::mem::swap(&mut self.before, &mut self.current);
         let mut saturated = self.controller.step(&self.command_motor, &self.measured, &mut self.current);
         saturated |= self.motors.saturate(&self.qd_motor, &mut self.current);
         if std::mem::take(&mut self.fresh) {
             self.before.copy_from_slice(&self.current);
         }
-        for i in 0..self.tau.len() {
-            self.torque_motor[i] = self.motors.per_ampere[i] * self.current[i];
+        for ((torque, per_ampere), current) in
+            self.torque_motor.iter_mut().zip(&self.motors.per_ampere).zip(&self.current)
+        {
+            *torque = per_ampere * current;
         }
         self.transmission.joint_torque(&self.torque_motor, &mut self.tau);
         if let Some(drives) = &mut self.drives {

@@ -28,7 +28,13 @@ impl Motors {
         let mut saturated = false;
         for (i, circuit) in self.circuits.iter().enumerate() {
             if let Some(circuit) = circuit {
-                let Interval { low, high } = circuit.current_limits(self.gear[i] * qd_motor[i]);
+                let speed = self.gear[i] * qd_motor[i];
+                // Well below what the supply can drive nothing is held, and nothing needs a division.
+                let voltage = circuit.resistance * current[i].abs() + (circuit.back_emf * speed).abs();
+                if voltage + circuit.brush_drop < 0.99 * circuit.supply {
+                    continue;
+                }
+                let Interval { low, high } = circuit.current_limits(speed);
                 let held = current[i].clamp(low, high);
                 saturated |= held != current[i];
                 current[i] = held;

@@ -204,14 +204,18 @@ impl Sensors {
 
     /// Motor currents as the sensors give them, A, n; `before` and `after` are held on either side of the sample.
     pub(super) fn currents(&mut self, before: &[f64], after: &[f64], measured: &mut [f64]) {
-        for (i, meter) in self.meters.iter_mut().enumerate() {
-            let mut current = 0.5 * (before[i] + after[i]);
+        // All noise first, so that no call stands between the arithmetic of one joint and the next.
+        for (meter, noise) in self.meters.iter_mut().zip(&mut *measured).filter(|(meter, _)| meter.noise > 0.0) {
+            let white = normal(&mut self.current_stream, self.sign);
+            *noise = meter.noise * meter.memory.as_mut().map_or(white, |memory| memory.next(white));
+        }
+        for (((meter, measured), before), after) in self.meters.iter().zip(measured).zip(before).zip(after) {
+            let mut current = 0.5 * (before + after);
             if self.late != 0.0 {
-                current += self.late * (after[i] - before[i]);
+                current += self.late * (after - before);
             }
             if meter.noise > 0.0 {
-                let white = normal(&mut self.current_stream, self.sign);
-                current += meter.noise * meter.memory.as_mut().map_or(white, |memory| memory.next(white));
+                current += *measured;
             }
             if meter.offset != 0.0 {
                 current += meter.offset;
@@ -219,7 +223,7 @@ impl Sensors {
             if let Some(spike) = meter.spikes.and_then(|spikes| spikes.reading(&mut self.spike_stream, self.sign)) {
                 current = spike;
             }
-            measured[i] = if meter.lsb == 0.0 {
+            *measured = if meter.lsb == 0.0 {
                 current
             } else {
                 (current * meter.per_lsb).nearest().clamp(-meter.codes, meter.codes - 1.0) * meter.lsb

@@ -31,12 +31,18 @@ impl Tracking {
 
     /// Adds one servo step; `rms_error` holds sums of squares until [`Tracking::finish`].
     pub(super) fn add(&mut self, command: &[f64], q: &[f64], effort: &[f64], current: &[f64]) {
-        for i in 0..command.len() {
+        let n = command.len();
+        // Of one known length, so that no entry is checked by itself.
+        let [q, effort, current] = [q, effort, current].map(|x| &x[..n]);
+        let [peak_error, rms_error, peak_effort, peak_current] =
+            [&mut self.peak_error, &mut self.rms_error, &mut self.peak_effort, &mut self.peak_current]
+                .map(|x| &mut x[..n]);
+        for i in 0..n {
             let error = command[i] - q[i];
-            self.peak_error[i] = self.peak_error[i].max(error.abs());
-            self.rms_error[i] += error * error;
-            self.peak_effort[i] = self.peak_effort[i].max(effort[i].abs());
-            self.peak_current[i] = self.peak_current[i].max(current[i].abs());
+            peak_error[i] = peak_error[i].max(error.abs());
+            rms_error[i] += error * error;
+            peak_effort[i] = peak_effort[i].max(effort[i].abs());
+            peak_current[i] = peak_current[i].max(current[i].abs());
         }
         self.steps += 1;
     }
