@@ -27,9 +27,9 @@ fn simulated_bias_of_predicted_torque_is_the_one_that_the_criterion_expects() {
     let (n, base) = (robot.dof(), reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap());
     let motion = |index: u64| radkhah2007_start(&robot, 10.0, 5, Seed::new(8), index).unwrap();
     let regressor = JointTorqueRegressor::new(&robot, columns).expect("columns of motion");
-    let plan = ExperimentPlan { periods: 1, ..ExperimentPlan::new(motion(0)) };
     // The arm is the nominal one, so that what is left between the two is the law of the effect alone.
-    let estimate = |effects: &Effects| -> DVector<f64> {
+    let estimate = |effects: &Effects, periods: usize| -> DVector<f64> {
+        let plan = ExperimentPlan { periods, ..ExperimentPlan::new(motion(0)) };
         let arm = ActualArm::new(effects, &robot, &nominal);
         let plant = AnalyticPlant::new(arm.robot(), arm.parameters()).unwrap();
         let mut servo = Servo::new(&robot, &nominal, plant).unwrap().with_sensing(Sensing::ideal()).with_effects(arm);
@@ -40,7 +40,7 @@ fn simulated_bias_of_predicted_torque_is_the_one_that_the_criterion_expects() {
         let observation = Observation::new(&robot, &regressor, &base, &samples).unwrap();
         EstimatorKind::Ols.estimate(&EstimationProblem::new(&observation)).unwrap().beta()
     };
-    let without = estimate(&Effects::none());
+    let without = estimate(&Effects::none(), 1);
     // Fresh motions, on which the torque is predicted.
     let evaluated = base.select_columns(&regressor.stack(&motion(1).sample(SAMPLES)));
     let rms = |torque: &DVector<f64>| torque.norm() / (torque.len() as f64).sqrt();
@@ -57,13 +57,15 @@ fn simulated_bias_of_predicted_torque_is_the_one_that_the_criterion_expects() {
     // Size, and torque moment by moment, relative. Where a joint reverses, links on springs ring and the loop has its own way
     // with a late current, which no law of the planned motion knows: equations near reversals are left out, and what is
     // left of both shows.
-    for (kind, size, shape) in [
-        (EffectKind::LoadFriction, 0.03, 0.12),
-        (EffectKind::CurrentLag, 0.3, 0.6),
-        (EffectKind::Elasticity, 0.1, 0.55),
+    for (kind, periods, size, shape) in [
+        (EffectKind::LoadFriction, 1, 0.03, 0.12),
+        (EffectKind::CurrentLag, 1, 0.3, 0.6),
+        (EffectKind::Elasticity, 1, 0.1, 0.55),
+        // Gears warm up meanwhile: the law has the mean of the first minute, the experiment that of its recorded periods.
+        (EffectKind::Warming, 5, 0.2, 0.25),
     ] {
         let effects = Effects::only(kind, Level::Realistic);
-        let simulated = &evaluated * (estimate(&effects) - &without);
+        let simulated = &evaluated * (estimate(&effects, periods) - &without);
         let expected = effects.expected(&robot, &nominal).unwrap();
         let d = EffectTorques::new(&robot, &expected, FINE, 10.0).evaluate(&states);
         let c = information.moments(&d);

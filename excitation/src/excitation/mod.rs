@@ -41,7 +41,7 @@ pub use design::{Design, best_of, nearest_of};
 pub use design_search::{design, design_from, random_design};
 pub use error::ExcitationError;
 pub use evaluation::EvaluationMotions;
-pub use expected::{EffectLaw, EffectTorques, ExpectedEffect, ExpectedEffects};
+pub use expected::{EffectLaw, EffectTorques, ExpectedEffect, ExpectedEffects, WarmGear, WarmGears};
 pub use information::Information;
 pub use limit_kind::LimitKind;
 pub use limit_rows::LimitRows;

@@ -183,7 +183,9 @@ impl InformationObjective {
 mod tests {
     use super::*;
     use crate::chains;
-    use crate::excitation::{CriterionKind, DesignLimits, DesignSpace, EffectLaw, ExpectedEffect, ExpectedEffects};
+    use crate::excitation::{
+        CriterionKind, DesignLimits, DesignSpace, EffectLaw, ExpectedEffect, ExpectedEffects, WarmGear, WarmGears,
+    };
     use crate::model::{Columns, DriveParameters};
     use crate::seed::Seed;
     use crate::trajectory::Family;
@@ -207,16 +209,18 @@ mod tests {
         }
     }
 
-    /// Load friction, springs, a lag and torque constants.
+    /// Load friction, springs, a lag, torque constants and gears that warm up.
     fn expected(problem: &DesignProblem) -> ExpectedEffects {
         let friction = DriveParameters::from_iter([(crate::model::term::LOAD_FRICTION, 0.05)]);
         let ratings = problem.robot().joints().iter().map(|joint| 2e-3 / joint.limits.torque);
         let compliance = DMatrix::from_diagonal(&nalgebra::DVector::from_iterator(6, ratings));
+        let gear = WarmGear { viscous: 3.0, coulomb: 4.0, fade: 0.05, rise_per_watt: 0.02, lost: 1.8 };
         let laws = [
             EffectLaw::Terms(vec![friction; 6]),
             EffectLaw::Elastic { compliance, with_link: vec![false, false, false, false, true, true] },
             EffectLaw::Late(5e-4),
             EffectLaw::Scaled(0.03),
+            EffectLaw::Warming(WarmGears { speeds: DMatrix::identity(6, 6), gears: vec![gear; 6] }),
         ];
         let effects = laws.map(|law| ExpectedEffect { name: "effect".to_owned(), law });
         ExpectedEffects { nominal: chains::crs_a460_nominal(), effects: effects.into(), are_carried: false }

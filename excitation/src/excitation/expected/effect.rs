@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 
+use super::warm_gears::WarmGears;
 use crate::excitation::error::{ExcitationError, not_below_zero, same_length};
 use crate::model::{DriveParameters, StandardParameters};
 
@@ -27,6 +28,8 @@ pub enum EffectLaw {
     Late(f64),
     /// Torque that is off by this share, up or down, each joint by itself: n discrepancies, `d_j = share τ_j`.
     Scaled(f64),
+    /// Friction that falls as gears warm up.
+    Warming(WarmGears),
 }
 
 impl EffectLaw {
@@ -34,7 +37,7 @@ impl EffectLaw {
     pub(super) const fn discrepancies(&self, joints: usize) -> usize {
         match self {
             Self::Scaled(_) => joints,
-            Self::Terms(_) | Self::Elastic { .. } | Self::Late(_) => 1,
+            Self::Terms(_) | Self::Elastic { .. } | Self::Late(_) | Self::Warming(_) => 1,
         }
     }
 
@@ -46,6 +49,10 @@ impl EffectLaw {
                 same_length("rows of a compliance", compliance.nrows(), joints)?;
                 same_length("columns of a compliance", compliance.ncols(), joints)?;
                 same_length("drives of an expected effect", with_link.len(), joints)
+            }
+            Self::Warming(WarmGears { speeds, gears }) => {
+                same_length("columns of the speeds of gears", speeds.ncols(), joints)?;
+                same_length("gears that warm up", gears.len(), speeds.nrows())
             }
             Self::Late(time) => not_below_zero("lag of an expected effect", *time, "s"),
             Self::Scaled(share) => not_below_zero("share of an expected effect", *share, ""),

@@ -10,6 +10,8 @@
 mod effect;
 mod periodic_derivative;
 mod torques;
+mod warm_gears;
 
 pub use effect::{EffectLaw, ExpectedEffect, ExpectedEffects};
 pub use torques::EffectTorques;
+pub use warm_gears::{WarmGear, WarmGears};

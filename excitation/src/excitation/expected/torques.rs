@@ -5,7 +5,7 @@
 //! motion of the links where drives are elastic:
 //!
 //! ```text
-//! Σ u·d:   Late    τ̄ = T Dᵀ u            Scaled    τ̄_j = share u_j          Terms    ∂d/∂(q, q̇, q̈) u,  τ̄_l = ∂d/∂τ_l u
+//! Σ u·d:   Late    τ̄ = T Dᵀ u            Scaled    τ̄_j = share u_j          Terms    ∂d/∂(q, q̇, q̈) u,  τ̄_l = ∂d/∂τ_l u,  Warming is of speeds alone
 //!          Elastic x' = x − (δ, δ̇, δ̈)    x̄' = ∂τ/∂x'ᵀ u      τ̄_l = −B (x̄'_q + Dᵀ x̄'_q̇ + Dᵀ Dᵀ x̄'_q̈)     τ̄ = −u
 //! ```
 
@@ -125,6 +125,7 @@ impl EffectTorques {
                         *out = time * rate;
                     }
                 }
+                EffectLaw::Warming(gears) => gears.add_torque(states, column.as_mut_slice()),
                 EffectLaw::Scaled(share) => {
                     for (row, torque) in self.torque.iter().enumerate() {
                         d[(row, own.start + row % n)] = share * torque;
@@ -197,6 +198,7 @@ impl EffectTorques {
                         *to += time * rate;
                     }
                 }
+                EffectLaw::Warming(gears) => gears.pull_back(states, u_first, slopes),
                 EffectLaw::Scaled(share) => {
                     for (row, to) in by_torque.iter_mut().enumerate() {
                         *to += share * u[(row, own.start + row % n)];
@@ -266,7 +268,7 @@ mod tests {
     use super::*;
     use crate::chains::ChainRecipe;
     use crate::dynamics::Dynamics;
-    use crate::excitation::{ExpectedEffect, radkhah2007_start};
+    use crate::excitation::{ExpectedEffect, WarmGear, WarmGears, radkhah2007_start};
     use crate::model::term::{LOAD_FRICTION, STRIBECK};
     use crate::seed::Seed;
     use crate::trajectory::PeriodicMotion;
@@ -290,6 +292,13 @@ mod tests {
         (robot, parameters, start.sample(SAMPLES))
     }
 
+    /// One gear at each joint, and one that two joints turn.
+    fn warm_gears(n: usize) -> WarmGears {
+        let speeds = DMatrix::from_fn(n + 1, n, |g, j| if g == j || g == n && j < 2 { 1.0 } else { 0.0 });
+        let gear = WarmGear { viscous: 0.4, coulomb: 0.3, fade: 0.3, rise_per_watt: 0.5, lost: 0.2 };
+        WarmGears { speeds, gears: vec![gear; n + 1] }
+    }
+
     fn effects(n: usize) -> Vec<ExpectedEffect> {
         let effect = |name: &str, law| ExpectedEffect { name: name.to_owned(), law };
         let compliance = DMatrix::from_fn(n, n, |i, j| 1e-3 * if i == j { 1.0 } else { 0.1 });
@@ -298,6 +307,7 @@ mod tests {
             effect("elastic", EffectLaw::Elastic { compliance, with_link: (0..n).map(|i| i == 1).collect() }),
             effect("late", EffectLaw::Late(2e-3)),
             effect("scaled", EffectLaw::Scaled(0.03)),
+            effect("warming", EffectLaw::Warming(warm_gears(n))),
         ]
     }
 

@@ -5,7 +5,9 @@ use nalgebra::DMatrix;
 use super::actual_arm::{ActualArm, Coupling};
 use super::kind::EffectKind as Kind;
 use super::selection::Effects;
-use crate::excitation::{Criterion, EffectLaw, ExpectedEffect, ExpectedEffects};
+use super::warming::Warming;
+use crate::excitation::{Criterion, EffectLaw, ExpectedEffect, ExpectedEffects, WarmGears};
+use crate::model::term::{COULOMB, MOTOR_COULOMB, MOTOR_VISCOUS, VISCOUS};
 use crate::model::{DriveParameters, Robot, StandardParameters};
 
 /// Why effects cannot be expected.
@@ -23,19 +25,21 @@ fn names() -> String {
 
 impl Effects {
     /// Effects whose torque along a motion follows from the nominal parameters.
-    pub const EXPECTABLE: [Kind; 6] = [
+    pub const EXPECTABLE: [Kind; 7] = [
         Kind::Stribeck,
         Kind::LoadFriction,
         Kind::Elasticity,
         Kind::TorqueConstant,
         Kind::CurrentLag,
         Kind::CurrentDelay,
+        Kind::Warming,
     ];
 
     /// What a criterion expects where nothing else is declared, each at its realistic level: load-dependent friction and
-    /// elasticity, and for measured torque also what a drive reports wrongly or late, and Stribeck friction.
+    /// elasticity, and for measured torque also what a drive reports wrongly or late, Stribeck friction and gears that warm up.
     pub fn expected_by(criterion: &dyn Criterion) -> Self {
-        let kinds = [Kind::LoadFriction, Kind::Elasticity, Kind::CurrentLag, Kind::TorqueConstant, Kind::Stribeck];
+        use Kind::{CurrentLag, Elasticity, LoadFriction, Stribeck, TorqueConstant, Warming};
+        let kinds = [LoadFriction, Elasticity, CurrentLag, TorqueConstant, Stribeck, Warming];
         let count = if criterion.predicts_measured_torque() { kinds.len() } else { 2 };
         kinds[..count].iter().fold(Self::none(), |effects, &kind| effects.with_effect(kind, kind.entry().realistic))
     }
@@ -74,6 +78,7 @@ impl Effects {
                 Kind::Elasticity => {
                     ActualArm::new(&Self::none().with_effect(kind, magnitude), robot, nominal).elastic_law(robot)
                 }
+                Kind::Warming => EffectLaw::Warming(warm_gears(robot, nominal, magnitude)),
                 _ => return Err(ExpectedEffectError::NoLaw { found: kind }),
             };
             Ok(ExpectedEffect { name: kind.name().to_owned(), law })
@@ -81,6 +86,27 @@ impl Effects {
         let effects = self.iter().map(effect).collect::<Result<_, _>>()?;
         Ok(ExpectedEffects { nominal: nominal.clone(), effects, are_carried: false })
     }
+}
+
+/// The gears whose viscous friction falls by this share as they warm up: at the joints, and at the motors that turn them.
+fn warm_gears(robot: &Robot, nominal: &StandardParameters, share: f64) -> WarmGears {
+    let n = robot.dof();
+    let motors = robot.coupling().cloned().unwrap_or_else(|| DMatrix::identity(n, n));
+    let (mut rows, mut gears) = (Vec::new(), Vec::new());
+    for (speeds, viscous, coulomb) in
+        [(DMatrix::identity(n, n), VISCOUS, COULOMB), (motors, MOTOR_VISCOUS, MOTOR_COULOMB)]
+    {
+        for (i, (joint, drive)) in robot.joints().iter().zip(&nominal.drives).enumerate() {
+            let (limit, lost) = (joint.limits.velocity, share * drive[viscous]);
+            if lost > 0.0 {
+                let gear = Warming::new(drive[viscous], drive[coulomb], limit);
+                gears.push(gear.expected(lost, limit, joint.drive.coulomb_velocity));
+                rows.push(speeds.row(i).into_owned());
+            }
+        }
+    }
+    let speeds = if rows.is_empty() { DMatrix::zeros(0, n) } else { DMatrix::from_rows(&rows) };
+    WarmGears { speeds, gears }
 }
 
 /// What drives have beside those that they were made from.
@@ -132,7 +158,7 @@ mod tests {
                 assert!(error.to_string().contains("expected one of stribeck, load-friction"), "{error}");
             }
         }
-        for (kind, count) in [(CriterionKind::ModelError, 2), (CriterionKind::MeasuredTorque, 5)] {
+        for (kind, count) in [(CriterionKind::ModelError, 2), (CriterionKind::MeasuredTorque, 6)] {
             let effects = Effects::expected_by(&*kind.criterion());
             assert_eq!(effects.expected(&robot, &nominal).unwrap().effects.len(), count);
         }
