@@ -78,7 +78,10 @@ fn a_design_expects_what_it_is_told_of_and_predicts_where_it_is_told_to() {
     assert_ne!(told["trajectory"], usual["trajectory"]);
     let fast = design("i-optimal", &[], &out("fast.toml"));
     let aimed = design("i-optimal", &["--predict", &out("usual.toml")], &out("aimed.toml"));
-    assert_ne!(fast["trajectory"], aimed["trajectory"]);
+    let moves = design("i-optimal", &["--predict", "point-to-point"], &out("moves.toml"));
+    let slow = design("i-optimal", &["--predict", "slow"], &out("slow.toml"));
+    let found = [&fast, &aimed, &moves, &slow].map(|design| &design["trajectory"]);
+    assert!((1..4).all(|k| !found[..k].contains(&found[k])), "each set of motions has a design of its own");
     assert!(fast["expected"].is_null());
 }
 

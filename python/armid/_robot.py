@@ -569,11 +569,12 @@ class Robot:
         prior : estimates or their paths
             Earlier experiments, to which the design adds.
         effects : mapping, optional
-            What "model-error" expects of the arm: a magnitude, or "realistic", "severe", …
+            What "measured-torque" and "model-error" expect of the arm: a magnitude, or "realistic", "severe", …
         predict : names or paths
-            Motions on which torque will be predicted, for "i-optimal" and "model-error".
+            Motions on which torque will be predicted, for "i-optimal", "measured-torque" and "model-error": trajectories, or one of
+            "slow" and "point-to-point"; by default random ones.
         periods : int
-            Recorded periods that "model-error" expects.
+            Recorded periods that "measured-torque" and "model-error" expect.
         baseline : bool
             Whether the best of random trajectories is found for comparison.
         progress : callable, optional

@@ -185,10 +185,15 @@ impl AdvicePlan {
             format!("    {{ {} }},", effects.iter().map(effect).collect::<Vec<_>>().join(", "))
         };
         let sets: Vec<String> = levels.iter().map(set).collect();
+        let measured_on = self.purpose.measured_on();
         let designs = Self::DESIGNS.map(|(name, criterion, speed)| {
-            let slower = if speed < 1.0 { format!("rms_speed = {speed:?}\n") } else { String::new() };
+            let mut more = if speed < 1.0 { format!("rms_speed = {speed:?}\n") } else { String::new() };
+            // By default such criteria predict random motions.
+            if measured_on != "random" && ["measured-torque", "i-optimal"].contains(&criterion) {
+                more.push_str(&format!("predict = \"{measured_on}\"\n"));
+            }
             format!(
-                "\n[[design]]\nname = \"{name}\"\nmaking = \"optimised\"\ncriterion = \"{criterion}\"\n{slower}starts = 1\nevaluations = 600\n"
+                "\n[[design]]\nname = \"{name}\"\nmaking = \"optimised\"\ncriterion = \"{criterion}\"\n{more}starts = 1\nevaluations = 600\n"
             )
         });
         format!(
@@ -207,7 +212,6 @@ impl AdvicePlan {
              [reference]\nmass_kg = 0.1\nfirst_moment_kg_m = 0.02\ninertia_kg_m2 = 0.01\nviscous_nm_s_rad = 0.1\ntorque_nm = 0.1\n\
              {designs}",
             drive = self.drive.name(),
-            measured_on = self.purpose.measured_on(),
             robot = toml::Value::from(self.robot.as_str()),
             seed = self.seed,
             arms = self.arms,
@@ -239,6 +243,7 @@ fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {
 mod tests {
     use super::*;
     use crate::experiment::Effects;
+    use crate::study::MotionKind;
 
     #[test]
     fn a_plan_of_every_drive_is_one_and_its_levels_are_parts_of_the_realistic_one() {
@@ -262,6 +267,13 @@ mod tests {
                 for &kind in effects_of(drive) {
                     assert_eq!(set.magnitude(kind), part * kind.entry().realistic);
                 }
+            }
+            // Designs that predict torque are told of the motions.
+            for (purpose, kind) in [(Purpose::Torque, None), (Purpose::PointToPoint, Some(MotionKind::PointToPoint))] {
+                let plan = AdvicePlan { purpose, ..made.clone() }.plan().unwrap();
+                let told = plan.designs.iter().filter(|family| family.predict.is_some());
+                assert!(told.clone().all(|family| family.predict == kind));
+                assert_eq!(told.count(), if kind.is_some() { 2 } else { 0 });
             }
             // What a log shows is in every arm but those that show what noise does, whatever the drive.
             let shown = vec![(EffectKind::Elasticity, 1.5)];

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::error::StudyError;
 use super::family_plan::{DesignMethod, HarmonicsPlan};
+use super::motions_to_predict::motions_to_predict;
 use super::plan_error;
 use super::radkhah2007::table_one;
 use super::setup::StudySetup;
@@ -184,6 +185,10 @@ impl StudySetup {
             let expected = expected.expected(&self.robot, &self.nominal);
             let expected = expected.map_err(|fault| plan_error::expected(&fault))?;
             problem.set_expected(ExpectedEffects { are_carried: is_measured, ..expected })?;
+        }
+        if let Some(kind) = plan.predict {
+            let motions = motions_to_predict(kind, &self.robot, &self.nominal, &self.plan.experiment, self.plan.seed)?;
+            problem.set_evaluation(motions)?;
         }
         if let Some(prior) = self.collected(before)? {
             problem.set_prior(prior)?;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::motion_kind::MotionKind;
 use super::own_methods::OwnMethods;
 use super::plan_error::{StudyPlanError, name};
 use crate::excitation::Criterion;
@@ -69,6 +70,9 @@ pub struct FamilyPlan {
     /// Effects that the criterion expects of the arm; [`Effects::expected_by`] where absent.
     #[serde(default, skip_serializing_if = "Effects::is_none")]
     pub expected: Effects,
+    /// The kind of motions whose torque its criterion predicts, drawn for the designs alone; random ones, fast and slow, where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub predict: Option<MotionKind>,
     /// Runs of each design, where it differs from the study's.
     #[serde(default)]
     pub runs: Option<usize>,

@@ -67,6 +67,11 @@ mod tests {
             ("compare_with = [\"repeat condition 4\"", "compare_with = [\"nothing\"", "compare_with is \"nothing\""),
             ("making = \"repeated\"\nafter = \"condition 1\"", "making = \"repeated\"", "after is \"\""),
             ("making = \"optimised\"", "making = \"optimised\"\nrms_speed = 2.0", "design.rms_speed is 2, expected"),
+            (
+                "making = \"optimised\"",
+                "making = \"optimised\"\npredict = \"slow\"",
+                "design.criterion is condition, expected one that predicts",
+            ),
             ("[validation]", "[validation]\nmeasured_on = \"static\"", "validation.measured_on is \"static\""),
             (
                 "[experiment]",

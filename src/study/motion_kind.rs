@@ -20,6 +20,11 @@ crate::input::named! { MotionKind as title {
 } }
 
 impl MotionKind {
+    /// The kind of motion of this name, as plans have it: `random`, `slow` or `point-to-point`.
+    pub fn moving(name: &str) -> Option<Self> {
+        [Self::Random, Self::Slow, Self::PointToPoint].into_iter().find(|kind| kind.title().replace(' ', "-") == name)
+    }
+
     #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
     pub(super) const fn is_random(&self) -> bool {
         matches!(self, Self::Random)

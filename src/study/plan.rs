@@ -187,7 +187,7 @@ impl StudyPlan {
             }
         }
         if self.validation.measured_on == MotionKind::Static {
-            return Err(name("validation.measured_on", "static", ["random", "slow", "point-to-point"]));
+            return Err(moving_kind("validation.measured_on"));
         }
         self.check_truths()?;
         self.check_variance_reduction()?;
@@ -202,7 +202,15 @@ impl StudyPlan {
             }
             match family.method {
                 DesignMethod::Optimised | DesignMethod::Random => {
-                    family.criterion(own)?;
+                    let criterion = family.criterion(own)?;
+                    match family.predict {
+                        Some(MotionKind::Static) => return Err(moving_kind("design.predict")),
+                        Some(_) if !criterion.asks_for_prediction() => {
+                            let expected = "one that predicts torque where predict is given, such as i-optimal";
+                            return Err(number("design.criterion", criterion.name(), expected));
+                        }
+                        _ => {}
+                    }
                     if let Some((found, _)) =
                         family.expected.iter().find(|(kind, _)| !Effects::EXPECTABLE.contains(kind))
                     {
@@ -323,6 +331,11 @@ impl StudyPlan {
     pub fn runs_of(&self, family: usize) -> usize {
         self.designs[family].runs.unwrap_or(self.runs)
     }
+}
+
+/// Poses at rest stand where a kind of motion is asked for.
+fn moving_kind(key: &'static str) -> StudyPlanError {
+    name(key, "static", ["random", "slow", "point-to-point"])
 }
 
 /// Nothing stands twice in a list.

@@ -3,6 +3,7 @@
 use nalgebra::{DVector, Vector3};
 
 use super::motion_kind::MotionKind;
+use super::motions_to_predict::motions_to_predict;
 use super::plan::{ExperimentSettings, StudyPlan, ValidationSettings};
 use super::scorer::Scorer;
 use super::setup::StudySetup;
@@ -11,7 +12,7 @@ use super::truth_files::truth_text;
 use super::validation::{ValidationError, ValidationMotions};
 use crate::base::{Method, reduce};
 use crate::dynamics::{Dynamics, States};
-use crate::excitation::radkhah2007_start;
+use crate::excitation::{EvaluationMotions, radkhah2007_start};
 use crate::model::format::{parse_nominal, parse_robot};
 use crate::model::{Columns, Limits, ReferenceUnits, Robot, StandardParameters, bundled};
 use crate::regressor::JointTorqueRegressor;
@@ -46,6 +47,26 @@ fn setup() -> StudySetup {
     let (robot, nominal) = named(&plan.robot);
     let truth = Truth::from_toml(truth_text("crs-a460").unwrap(), &robot).unwrap();
     StudySetup::new(plan, robot, nominal, &truth).unwrap()
+}
+
+#[test]
+fn identity_a_family_predicts_other_motions_of_its_kind_than_it_is_scored_on() {
+    let (robot, nominal) = named("crs-a460");
+    let mut plan = setup().plan;
+    plan.validation.measured = 20;
+    let of = |kind| motions_to_predict(kind, &robot, &nominal, &plan.experiment, plan.seed).unwrap();
+    let kinds = [MotionKind::Random, MotionKind::Slow, MotionKind::PointToPoint].map(|kind| {
+        let settings = ValidationSettings { measured_on: kind, ..plan.validation.clone() };
+        let scored = ValidationMotions::draw(&robot, &nominal, &plan.experiment, &settings, plan.seed).unwrap();
+        assert_eq!(of(kind), of(kind));
+        assert_ne!(of(kind), EvaluationMotions::new(scored.measured, robot.dof()).unwrap());
+        // Torque on them, of the nominal arm.
+        let regressor = JointTorqueRegressor::new(&robot, Columns::default()).unwrap();
+        let base = reduce(&robot, Columns::default(), Method::Structural, SEED).unwrap();
+        let beta = base.beta(&nominal.vector(&robot, Columns::default()));
+        (beta.transpose() * of(kind).gram(&robot, &regressor, &base) * beta)[(0, 0)]
+    });
+    assert!(kinds[1] < kinds[0], "{kinds:?}");
 }
 
 /// The torque of states by the regressor of every column of the parameters, which inverse dynamics has no part in.

@@ -88,8 +88,8 @@ pub(crate) struct Arguments {
     /// Effects that model-error or measured-torque expects [default: usual ones]
     #[arg(long, value_name = "EFFECT[=MAGNITUDE]", value_delimiter = ',', value_parser = expected_effect)]
     expect: Vec<(EffectKind, f64)>,
-    /// Motions to predict, for i-optimal, measured-torque and model-error [default: random]
-    #[arg(long, value_name = "T.toml", num_args = 1..)]
+    /// Motions to predict: slow, point-to-point, or trajectories [default: random]
+    #[arg(long, value_name = "KIND|T.toml", num_args = 1..)]
     predict: Vec<String>,
     /// Recorded periods that model-error and measured-torque assume
     #[arg(long, value_name = "N", default_value_t = 10)]

@@ -12,6 +12,7 @@ use armid::input::size::{DESIGNS, HARMONICS, PERIOD_S};
 use armid::model::{Columns, Robot};
 use armid::remedy::{Remedy, Setting, Task};
 use armid::seed::Seed;
+use armid::study::{ExperimentSettings, MotionKind, motions_to_predict};
 use armid_io::prior::set_prior;
 use armid_io::{Error, LoadedRobot, trajectory};
 
@@ -120,9 +121,7 @@ fn declare_use(
         if !criterion.asks_for_prediction() {
             return refused("motions to predict", "i-optimal, model-error or measured-torque");
         }
-        let named = settings.predict.iter();
-        let motions = named.map(|name| trajectory::load(name, None, problem.robot())).collect::<Result<_, Error>>()?;
-        let motions = EvaluationMotions::new(motions, problem.robot().dof()).map_err(Error::new)?;
+        let motions = motions(settings, loaded, problem.robot())?;
         problem.set_evaluation(motions).map_err(Error::new)?;
     }
     if !expects_effects {
@@ -143,6 +142,30 @@ fn declare_use(
     let expected = ExpectedEffects { are_carried: criterion.predicts_measured_torque(), ..expected };
     problem.set_rows(rows).map_err(Error::new)?;
     problem.set_expected(expected).map_err(Error::new)
+}
+
+/// The motions of the kind that is named, or those that are.
+fn motions(settings: &DesignSettings, loaded: &LoadedRobot, robot: &Robot) -> Result<EvaluationMotions, Error> {
+    let Some(kind) =
+        settings.predict.first().filter(|_| settings.predict.len() == 1).and_then(|name| MotionKind::moving(name))
+    else {
+        let named = settings.predict.iter();
+        let motions = named.map(|name| trajectory::load(name, None, robot)).collect::<Result<_, Error>>()?;
+        return EvaluationMotions::new(motions, robot.dof()).map_err(Error::new);
+    };
+    let Some(nominal) = loaded.guess() else {
+        let message =
+            format!("{} motions of a robot without nominal parameters, expected trajectories to predict", kind.title());
+        return Err(Error::new(message));
+    };
+    let experiment = ExperimentSettings {
+        period_s: settings.period_s,
+        harmonics: settings.harmonics.iter().copied().max().unwrap_or(1),
+        rate_hz: robot.servo().rate_hz,
+        periods: settings.periods,
+        discarded_periods: 0,
+    };
+    motions_to_predict(kind, robot, nominal, &experiment, Seed::new(settings.seed)).map_err(Error::new)
 }
 
 /// Standard deviation of one sample of each joint's effort by the noise of its current sensor.

@@ -86,7 +86,7 @@ pub struct DesignSettings {
     pub prior: Vec<PathBuf>,
     /// Effects that the arm is expected to have; usual ones where none is named. Only for criteria that expect effects.
     pub expected: Effects,
-    /// Motions, by name or file, on which torque will be predicted; usual ones where none is named.
+    /// Motions on which torque will be predicted: by name or file, or one [kind](armid::study::MotionKind); usual ones where none is named.
     pub predict: Vec<String>,
     /// Recorded periods of the experiment.
     pub periods: usize,
