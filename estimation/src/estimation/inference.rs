@@ -108,7 +108,7 @@ impl Inference<'_> {
         let residual_rms = ResidualScale::of(observation).rms(&equations.residual_products(beta));
         let (noise, mut covariance) = self.covariance(&equations, self.noise)?;
         let by_noise = covariance.clone();
-        let (mut freedom, mut interval_basis) = (self.noise.degrees_of_freedom, self.basis);
+        let (mut freedom, mut interval_basis) = (self.freedom(self.noise), self.basis);
         let (mut beyond, mut found) = (Vec::new(), None);
         if self.basis == IntervalBasis::Scatter {
             let expected = ExpectedResidual::new(self.problem, self.fit, self.instruments, &noise, &covariance)?;
@@ -124,7 +124,7 @@ impl Inference<'_> {
             if !misfit.is_empty() {
                 let seen = residual_noise(observation, &left);
                 covariance = self.covariance(&equations, &seen)?.1;
-                (freedom, interval_basis) = (seen.degrees_of_freedom, IntervalBasis::Residual);
+                (freedom, interval_basis) = (self.freedom(&seen), IntervalBasis::Residual);
             }
             if let Some(shown) = self.discrepancy(&equations, kept)? {
                 covariance += &shown.covariance;
@@ -196,6 +196,11 @@ impl Inference<'_> {
             provenance: observation.provenance.clone(),
         };
         Ok(Inferred { estimate, discrepancy: found })
+    }
+
+    /// Degrees of freedom of intervals by this noise. What repeats with the period is no random process, and has a discrepancy of its own.
+    fn freedom(&self, noise: &NoiseModel) -> f64 {
+        if self.problem.observation.periodic { noise.degrees_of_freedom } else { noise.interval_freedom() }
     }
 
     /// cov β̂ of what the equations `kept` show that the model lacks, and the joints that show it.

@@ -81,17 +81,29 @@ impl NoiseModel {
             lags.push(lag(l));
         }
         lags.truncate(2 * last.max(1) - usize::from(last == 0));
-        // What the correlation costs in independent samples: Bartlett's formula for the variance of R(0).
-        let mut spread: f64 = 1.0;
-        for i in 0..n {
-            let power: f64 = lags[1..].iter().map(|r| (r[(i, i)] / lags[0][(i, i)]).powi(2)).sum();
-            if power.is_finite() {
-                spread = spread.max(1.0 + 2.0 * power);
-            }
-        }
         let weights =
             (0..lags.len()).map(|l| if l <= last { 1.0 } else { (2 * last - l) as f64 / last as f64 }).collect();
-        Self { lags, weights, wraps, degrees_of_freedom: count / spread }
+        let noise = Self { lags, weights, wraps, degrees_of_freedom: count };
+        Self { degrees_of_freedom: count / noise.spread(), ..noise }
+    }
+
+    /// What correlation costs in independent samples, of the joint that has most: Bartlett's formula for the variance of R(0).
+    fn spread(&self) -> f64 {
+        let power = |i: usize| (1..self.lags.len()).map(|l| self.correlation(i, l).powi(2)).sum::<f64>();
+        (0..self.dof()).map(|i| 1.0 + 2.0 * power(i)).filter(|spread| spread.is_finite()).fold(1.0, f64::max)
+    }
+
+    /// Degrees of freedom of an interval by these lags, whose weighted sum is known less well than R(0) alone:
+    ///
+    /// ```text
+    /// ν = N / (1 + 2 Σ_l w_l²)        N independent samples
+    /// ```
+    /// as of a spectral estimate near zero frequency.
+    ///
+    /// Reference: M. B. Priestley, *Spectral Analysis and Time Series*, Academic Press 1981, sec. 6.2.
+    pub fn interval_freedom(&self) -> f64 {
+        let window: f64 = self.weights[1..].iter().map(|weight| weight * weight).sum();
+        self.degrees_of_freedom * self.spread() / (1.0 + 2.0 * window)
     }
 
     /// Noise of one period whose lag covariances R(l) are known: all up to `limit`, or up to the last before five in a row that are below a

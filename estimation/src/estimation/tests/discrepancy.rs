@@ -122,7 +122,7 @@ fn analytic_intervals_cover_under_a_law_that_is_omitted_and_it_is_named() {
         match (level, periodic) {
             // One run in twenty names a law that is not there: four of twenty are exceeded by chance in one of four hundred cases.
             (0.0, _) => assert!(named <= 4, "{named} findings in {runs}"),
-            (_, false) => assert!(without.pooled() < 0.9, "{} without", without.pooled()),
+            (_, false) => assert!(without.pooled() < 0.93, "{} without", without.pooled()),
             // A law says more than functions of any kind. What it explains is no lack of fit: at 5 %, three of eight are rarer than one in a hundred.
             (_, true) => assert!(narrower < 0.0 && misfits <= 2, "{narrower} {misfits}"),
         }
