@@ -100,7 +100,7 @@ fn main() {
         });
         time(&format!("stack in parts, base of {columns}, per sample"), STATES, |_| {
             regressor.stack_in_parts(&states, &base.kept, 1, |part| {
-                black_box(part.column(0));
+                black_box(part.entries(0, 0));
             });
         });
     }

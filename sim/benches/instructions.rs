@@ -97,7 +97,7 @@ fn equations<'a>(arm: &'a Arm) -> Vec<Piece<'a>> {
         }),
         Piece::new("regressor in lanes", "sample", STATES, move || {
             lanes.stack_in_parts(states, &arm.base.kept, 1, |part| {
-                black_box(part.column(0));
+                black_box(part.entries(0, 0));
             });
         }),
         Piece::new("inverse dynamics", "evaluation", STATES, move || {

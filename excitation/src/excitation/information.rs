@@ -69,7 +69,7 @@ impl Information {
         self.regressor.stack_in_parts(states, &self.kept, 1, |part| {
             for (i, joint) in joints.iter_mut().enumerate() {
                 for (place, &c) in joint.columns.iter().enumerate() {
-                    for (k, entry) in part.column(c).iter().skip(i).step_by(n).enumerate() {
+                    for (k, entry) in part.entries(i, c).iter().enumerate() {
                         joint.rows.row_mut(part.first + k)[place] = joint.weight * entry;
                     }
                 }

@@ -13,30 +13,32 @@ use super::cells::Cells;
 use super::joint_torque::JointTorqueRegressor;
 use crate::dynamics::{States, TOGETHER, Together, samples_of};
 use crate::lanes::Wide;
+use crate::linalg::column_products::Line;
 use crate::spatial::{LaneMotion, Motion};
 
 /// With more joints, all columns in the order of C come sooner sample by sample: the cells of eight samples leave the first cache.
 const MOST_JOINTS_IN_LANES: usize = 7;
 
-/// Some rows of a stack, for as long as they are in the processor's first cache.
+/// The entries of a few blocks, for as long as they are in the processor's first cache.
 #[derive(Clone, Copy, Debug)]
 pub struct StackPart<'a> {
     /// Number of the first block.
     pub first: usize,
     /// Number of blocks, at most eight.
     pub count: usize,
-    joints: usize,
-    numbers: &'a [f64],
+    columns: usize,
+    lines: &'a [Line],
 }
 
 impl StackPart<'_> {
-    /// Column `column` of those that were wanted, n · count: row `k n + i` is joint i, block `first + k`.
+    /// Joint `joint` and column `column` of those that were wanted, of each of the blocks in their order.
     ///
     /// # Panics
-    /// If there is no such column.
+    /// If there is no such joint or column.
     #[inline]
-    pub fn column(&self, column: usize) -> &[f64] {
-        &self.numbers[column * TOGETHER * self.joints..][..self.count * self.joints]
+    pub fn entries(&self, joint: usize, column: usize) -> &[f64] {
+        assert!(column < self.columns, "column {column} of {}", self.columns);
+        &self.lines[joint * self.columns + column].0[..self.count]
     }
 }
 
@@ -140,16 +142,12 @@ impl JointTorqueRegressor {
     ) {
         let n = self.rows();
         assert_eq!(states.dof, n, "states of {} joints, expected {n}", states.dof);
-        let mut numbers = vec![0.0; TOGETHER * n * columns.len()];
         self.stack_by(
             &mut Cells::in_rows(self, columns),
             states.arrays(),
             block,
             #[inline(always)]
-            |cells, first, count| {
-                cells.write(&mut numbers, TOGETHER * n, 0, count);
-                visit(&StackPart { first, count, joints: n, numbers: &numbers });
-            },
+            |cells, first, count| visit(&StackPart { first, count, columns: columns.len(), lines: &cells.sums }),
         );
     }
 }
@@ -236,8 +234,10 @@ mod tests {
             Arch::Scalar.dispatch(Stack { cells, joints: dof, samples, block: 1, put });
             assert_eq!(narrow, w);
             regressor.stack_in_parts(&states, &all, 1, |part| {
-                for c in 0..p {
-                    parts.column_mut(c).rows_mut(part.first * dof, part.count * dof).copy_from_slice(part.column(c));
+                for (joint, c) in (0..dof).flat_map(|joint| (0..p).map(move |c| (joint, c))) {
+                    for (k, entry) in part.entries(joint, c).iter().enumerate() {
+                        parts[((part.first + k) * dof + joint, c)] = *entry;
+                    }
                 }
             });
             assert_eq!(parts, w);
@@ -270,8 +270,10 @@ mod tests {
                 regressor.stack_in_parts(&states, &columns, 7, |part| {
                     assert_eq!(part.first, blocks);
                     blocks += part.count;
-                    let rows = part.first * 5..blocks * 5;
-                    assert!((0..columns.len()).all(|c| part.column(c) == &means.column(c).as_slice()[rows.clone()]));
+                    for (joint, c) in (0..5).flat_map(|joint| (0..columns.len()).map(move |c| (joint, c))) {
+                        let rows = (part.first..blocks).map(|k| means[(5 * k + joint, c)]);
+                        assert!(part.entries(joint, c).iter().copied().eq(rows));
+                    }
                 });
                 assert_eq!(blocks, 10);
                 for m in 0..10 {
