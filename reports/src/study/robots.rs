@@ -70,35 +70,46 @@ fn pages(summary: &RobotsSummary) -> Section {
         .table(table)
 }
 
-/// A pair of families on every robot, condition by condition.
+/// A pair of families on every robot, condition by condition: the score that ranks, and measured torque where there is some.
 fn of_pair(summary: &RobotsSummary, pair: [&str; 2]) -> Result<Section, DocumentError> {
     let [first, second] = pair;
     let estimator = summary.shown_estimator();
-    let rows = summary.rows(pair, Metric::Prediction, estimator);
     let mut section = Section::new(criterion_pair_in_words(first, second));
-    let figure = figure(summary, pair, &rows);
-    if figure.rows.iter().any(|row| row.cells.iter().any(Option::is_some)) {
-        section = section.figure(&figure)?;
+    for metric in [Metric::Prediction, Metric::Measured] {
+        let rows = summary.rows(pair, metric, estimator);
+        let figure = figure(summary, pair, metric, &rows);
+        let has_intervals = figure.rows.iter().any(|row| row.cells.iter().any(Option::is_some));
+        if has_intervals {
+            section = section.figure(&figure)?;
+        } else if metric == Metric::Measured {
+            continue;
+        }
+        let mut columns = vec![Column::text("scenario")];
+        columns.extend(summary.robots.iter().map(|robot| Column::number(&robot.robot, "")));
+        columns.push(Column::text("robots"));
+        let mut table = Table::new(
+            format!(
+                "{}, {}, with 95 % intervals, estimator {estimator}; bold if significant in the robot's own study.",
+                metric.title(),
+                criterion_pair_in_words(first, second)
+            ),
+            columns,
+        );
+        for row in rows {
+            table = table.row(cells(row, vec![Cell::text(&row.condition)]));
+        }
+        section = section.table(table);
     }
-    let mut columns = vec![Column::text("scenario")];
-    columns.extend(summary.robots.iter().map(|robot| Column::number(&robot.robot, "")));
-    columns.push(Column::text("robots"));
-    let mut table = Table::new(
-        format!(
-            "{}, {}, with 95 % intervals, estimator {estimator}; bold if significant in the robot's own study.",
-            Metric::Prediction.title(),
-            criterion_pair_in_words(first, second)
-        ),
-        columns,
-    );
-    for row in rows {
-        table = table.row(cells(row, vec![Cell::text(&row.condition)]));
-    }
-    Ok(section.table(table))
+    Ok(section)
 }
 
 /// The ratio of a pair under every condition, a colour for each robot.
-fn figure(summary: &RobotsSummary, [first, second]: [&str; 2], rows: &[&RobotsComparison]) -> IntervalFigure {
+fn figure(
+    summary: &RobotsSummary,
+    [first, second]: [&str; 2],
+    metric: Metric,
+    rows: &[&RobotsComparison],
+) -> IntervalFigure {
     let cell = |one: &RobotDifference| {
         one.interval.map(|i| Interval::new(one.difference, i.low.min(one.difference), i.high.max(one.difference)))
     };
@@ -112,10 +123,15 @@ fn figure(summary: &RobotsSummary, [first, second]: [&str; 2], rows: &[&RobotsCo
         .collect();
     IntervalFigure {
         heading: Heading::new(
-            format!("robots-{}-over-{}", file_stem(first), file_stem(second)),
+            format!(
+                "robots-{}-over-{}{}",
+                file_stem(first),
+                file_stem(second),
+                if metric == Metric::Measured { "-measured" } else { "" }
+            ),
             titles::pair_on_robots(&criterion_in_words(first), &in_words, &rows),
         )
-        .subtitle(format!("{}, estimator {}", Metric::Prediction.title(), summary.shown_estimator()))
+        .subtitle(format!("{}, estimator {}", metric.title(), summary.shown_estimator()))
         .caption(format!(
             "Ratio of geometric means over designs with its 95 % t interval; left of 1 is better than {in_words}."
         )),
