@@ -4,8 +4,8 @@ use armid::study::{EffectLevels, Lead, LevelRatios, Metric, ReportInput, RobotDi
 
 use crate::{Cell, Column, DocumentError, Group, Heading, Interval, LevelFigure, LevelPanel, Section, Table};
 
-/// Groups of designs that have a curve, and metrics that have a panel.
-const CURVES: [&str; 3] = ["condition", "d-optimal, equal speed", "i-optimal"];
+/// Groups of designs that have a curve, and metrics that have a panel. A figure has room for three: where all are there, the second gives way.
+const CURVES: [&str; 4] = ["condition", "d-optimal, equal speed", "i-optimal", "measured-torque"];
 const PANELS: [(Metric, &str); 2] =
     [(Metric::Prediction, "predicted torque of the arm without the effect"), (Metric::Measured, "measured torque")];
 
@@ -17,7 +17,10 @@ pub fn levels_figure(levels: &EffectLevels) -> LevelFigure {
     let panels: Vec<(Metric, &str)> =
         PANELS.into_iter().filter(|(metric, _)| levels.ratios.iter().any(|ratios| ratios.metric == *metric)).collect();
     let is_complete = |criterion: &&str| panels.iter().all(|(metric, _)| of(criterion, *metric).is_some());
-    let criteria: Vec<&str> = CURVES.into_iter().filter(is_complete).collect();
+    let mut criteria: Vec<&str> = CURVES.into_iter().filter(is_complete).collect();
+    if criteria.len() == CURVES.len() {
+        criteria.remove(1);
+    }
     let reference = criterion_in_words(&levels.reference);
     let effect = levels.effect.replace('-', " ");
     let first = criteria.first().and_then(|criterion| of(criterion, Metric::Prediction));
