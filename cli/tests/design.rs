@@ -223,6 +223,7 @@ fn impossible_settings_are_named() {
             vec!["--criterion", "d-optimal", "--predict", "table-one"],
             "expected i-optimal, model-error or measured-torque",
         ),
+        (vec!["--criterion", "i-optimal", "--predict", "fast"], "one of random, slow, point-to-point"),
         (vec![], "--criterion"),
     ] {
         let fault = stderr(&armid(["design", "crs-a460", "-o", &out].iter().chain(&arguments)).code(2));

@@ -1,5 +1,6 @@
 //! From settings to a design problem.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use armid::base::{Method, reduce};
@@ -149,8 +150,12 @@ fn motions(settings: &DesignSettings, loaded: &LoadedRobot, robot: &Robot) -> Re
     let Some(kind) =
         settings.predict.first().filter(|_| settings.predict.len() == 1).and_then(|name| MotionKind::moving(name))
     else {
-        let named = settings.predict.iter();
-        let motions = named.map(|name| trajectory::load(name, None, robot)).collect::<Result<_, Error>>()?;
+        let load = |name: &String| {
+            let expected = "expected the file or name of a trajectory, or one of random, slow, point-to-point";
+            trajectory::load(name, None, robot)
+                .map_err(|error| if Path::new(name).exists() { error } else { error.help(expected) })
+        };
+        let motions = settings.predict.iter().map(load).collect::<Result<_, Error>>()?;
         return EvaluationMotions::new(motions, robot.dof()).map_err(Error::new);
     };
     let Some(nominal) = loaded.guess() else {
