@@ -68,7 +68,8 @@ def parts(v, inverse, free, dt):
     """As integrator.rs divides a step."""
     change = 1.5 * dt * np.abs(free - times(inverse, friction(v)))
     COST["friction"] -= 1
-    rate = np.einsum("kii,ki->k", inverse, slopes(np.maximum(0, np.abs(v) - change)))
+    d = slopes(np.maximum(0, np.abs(v) - change))
+    rate = np.sqrt(np.einsum("kij,kij,ki,kj->k", inverse, inverse, d, d))
     return np.clip(np.rint(rate * dt / 1.2 + 0.5), 1, 64)
 
 
@@ -127,31 +128,31 @@ def split(q, v, tau, dt):
     return q, half(v)
 
 
-def multirate(q, v, tau, dt, corrected=True):
-    """The rigid part is held while friction takes its parts; what it had changed by the end is put in by two implicit half-steps."""
+def held(q, v, tau, dt):
+    """The rigid part of the beginning is held while friction takes its parts."""
     inverse, free = rigid(q, v, tau)
-    begun = friction(v)
-    COST["friction"] -= 1
-    q1, v1 = in_parts(q, v, dt, parts(v, inverse, free, dt), lambda _, v: free - times(inverse, friction(v)))
-    if not corrected:
-        return q1, v1
-    after, freed = rigid(q1, v1, tau)
-    ended = friction(v1)
-    gap = freed - free - times(after - inverse, ended)
-    moved = v1 - v
-    slope = np.where(np.abs(moved) > 1e-6, (ended - begun) / np.where(moved == 0, 1, moved), slopes(v1))
-    matrix, off = np.eye(2) + dt / 2 * inverse * slope[:, None, :], np.zeros_like(v)
-    for share in (0.25, 0.75):
-        off = np.linalg.solve(matrix, (off + dt / 2 * share * gap)[:, :, None])[:, :, 0]
-    return q1 + dt / 3 * off, v1 + off
+    return in_parts(q, v, dt, parts(v, inverse, free, dt), lambda _, v: free - times(inverse, friction(v)))
+
+
+def middle(q, v, tau, dt):
+    """As integrator.rs: the rigid part is that of the middle, which half a step with that of the beginning finds. Undivided steps are whole."""
+    inverse, free = rigid(q, v, tau)
+    count = parts(v, inverse, free, dt)
+    q1, v1 = in_parts(q, v, dt / 2, np.ceil(count / 4), lambda _, v: free - times(inverse, friction(v)))
+    inverse, free = rigid(q1, v1, tau)
+    found = in_parts(q, v, dt, count, lambda _, v: free - times(inverse, friction(v)))
+    before = dict(COST)
+    whole = runge_kutta(q, v, dt, lambda q, v: acceleration(q, v, tau))
+    COST.update(before)
+    return tuple(np.where(count[:, None] > 1, a, b) for a, b in zip(found, whole))
 
 
 SCHEMES = {
-    "divided, as it is": divided,
+    "divided": divided,
     "linearly implicit, 4 stages": linearly_implicit,
     "friction split off (Strang)": split,
-    "rigid part held": lambda *step: multirate(*step, corrected=False),
-    "rigid part held, then corrected": multirate,
+    "rigid part held": held,
+    "rigid part of the middle": middle,
 }
 
 

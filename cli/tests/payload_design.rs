@@ -34,19 +34,31 @@ fn seven_axes() -> String {
     text + "</robot>\n"
 }
 
-/// The standard deviation of each of the ten by logs with and without the load along one trajectory.
+/// The standard deviation of each of the ten by logs with and without the load along one trajectory, mean of three pairs of logs: what one
+/// pair shows of a discrepancy is chance.
 fn deviations(folder: &Path, robot: &str, trajectory: &str) -> Vec<f64> {
     let recorded = |name: &str, run: usize, tool: &str| {
         let text = format!(
-            "robot = \"{robot}\"\ntrajectory = \"{trajectory}\"\nperiods = 2\nrate_hz = 500\nrun = {run}\n[effects]\n\
+            "robot = \"{robot}\"\ntrajectory = \"{trajectory}\"\nperiods = 5\nrate_hz = 500\nrun = {run}\n[effects]\n\
              torque-noise = 0.2\n{tool}"
         );
         let experiment = write(folder, "x.toml", &text);
         let out = folder.join(name).to_str().expect("a path in UTF-8").to_owned();
+        let _ = std::fs::remove_file(&out);
         armid(["run", &experiment, "-o", &out]).success();
         out
     };
-    let (without, with) = (recorded("A.mcap", 0, ""), recorded("B.mcap", 1, "tool = 1.0\n"));
+    let mut sums = vec![0.0; 10];
+    for pair in 0..3 {
+        for (sum, deviation) in sums.iter_mut().zip(deviations_of_pair(&recorded, pair)) {
+            *sum += deviation / 3.0;
+        }
+    }
+    sums
+}
+
+fn deviations_of_pair(recorded: &dyn Fn(&str, usize, &str) -> String, pair: usize) -> Vec<f64> {
+    let (without, with) = (recorded("A.mcap", 2 * pair, ""), recorded("B.mcap", 2 * pair + 1, "tool = 1.0\n"));
     let found = armid(["identify", "--payload", "--without", &without, "--with", &with, "--json"]);
     let found = json(&found);
     let parameters = found["parameters"].as_array().expect("ten parameters");

@@ -3,7 +3,7 @@
 use armid::model::term::{Shapes, Term, TermInput};
 use armid::model::{Columns, Robot, StandardParameters};
 
-use super::forward::Factor;
+use super::jet::Jet;
 use super::law_numbers::{Lanes, Rates};
 use armid::lanes::Lane;
 
@@ -149,6 +149,28 @@ impl<const N: usize> Forces<N> {
         out
     }
 
+    /// Torque that the terms take, with its derivatives by the coordinates and velocities, K = 2 N. A term takes what its own
+    /// coordinate and velocity say, so that a law is evaluated with two derivatives.
+    pub(crate) fn torque_and_slopes<const K: usize>(&self, q: &[f64; N], v: &[f64; N]) -> [Jet<K>; N] {
+        let mut out = [Jet::fixed(0.0); N];
+        for (i, own) in slopes_of(&self.joints, q, v).into_iter().enumerate() {
+            (out[i].value, out[i].by[i], out[i].by[N + i]) = (own.value, own.by[0], own.by[1]);
+        }
+        if let Some(motors) = &self.motors {
+            let c = &motors.coupling;
+            for (i, own) in slopes_of(&motors.banks, &motors.along(q), &motors.along(v)).into_iter().enumerate() {
+                for j in 0..N {
+                    out[j].value += c[i][j] * own.value;
+                    for k in 0..N {
+                        out[j].by[k] += c[i][j] * own.by[0] * c[i][k];
+                        out[j].by[N + k] += c[i][j] * own.by[1] * c[i][k];
+                    }
+                }
+            }
+        }
+        out
+    }
+
     /// 1 where a coordinate with friction that turns over may come within `reach` of its velocity scale while each joint's
     /// speed `v` changes by `change` at most, 0 where none can.
     #[inline(always)]
@@ -166,36 +188,56 @@ impl<const N: usize> Forces<N> {
         flag
     }
 
-    /// Bound on the rate at which friction makes velocities decay while each joint's speed `v` changes by `change` at
-    /// most, 1/s: `λ ≤ tr(M⁻¹ D) = Σ D_k d_kᵀ M⁻¹ d_k`, `D` the slopes, `d` joint axes and rows of the coupling.
+    /// Bound on the rate at which friction makes velocities decay while each joint's speed `v` changes by `change` at most, 1/s.
+    ///
+    /// Of joints `λ ≤ (Σ λᵢ²)½ = (Σ (H⁻¹)ᵢⱼ² Dᵢ Dⱼ)½`, all eigenvalues of `H⁻¹ D` being positive, `D` the slopes. Of coupled
+    /// motors `C H⁻¹ Cᵀ` stands for `H⁻¹`, and their bound is added.
     #[inline(always)]
-    pub(crate) fn decay<V: Lane>(&self, q: &[V; N], v: &[V; N], change: &[V; N], factor: &Factor<N, V>) -> V {
+    pub(crate) fn decay<V: Lane>(&self, q: &[V; N], v: &[V; N], change: &[V; N], inverse: &[[V; N]; N]) -> V {
         let zero = v[0].splat(0.0);
-        let mut rate = zero;
         let mut slopes = [zero; N];
         for bank in &self.joints {
             bank.add_slopes(q, v, change, &mut slopes);
         }
-        for i in 0..N {
-            let mut axis = [zero; N];
-            axis[i] = zero.splat(1.0);
-            rate = rate + slopes[i] * factor.mobility(axis);
-        }
+        let mut rate = largest(inverse, &slopes);
         if let Some(motors) = &self.motors {
             let mut slopes = [zero; N];
             for bank in &motors.banks {
                 bank.add_slopes(&motors.along(q), &motors.along(v), &motors.swing(change), &mut slopes);
             }
-            for i in 0..N {
-                let mut row = [zero; N];
-                for j in 0..N {
-                    row[j] = zero.splat(motors.coupling[i][j]);
-                }
-                rate = rate + slopes[i] * factor.mobility(row);
+            let mut mobility = *inverse;
+            for row in &mut mobility {
+                *row = motors.along(row);
             }
+            rate = rate + largest(&motors.congruent(&mobility), &slopes);
         }
         rate
     }
+}
+
+/// Torques of banks with their derivatives by the own coordinate and velocity; compiled once.
+#[inline(never)]
+fn slopes_of<const N: usize>(banks: &[Bank<N>], q: &[f64; N], v: &[f64; N]) -> [Jet<2>; N] {
+    let mut out = [Jet::fixed(0.0); N];
+    let (q, v) = (q.map(|q| Jet::variable(q, 0)), v.map(|v| Jet::variable(v, 1)));
+    for bank in banks {
+        bank.add_torques(&q, &v, &mut out);
+    }
+    out
+}
+
+/// `(Σ Aᵢⱼ² dᵢ dⱼ)½` of a symmetric matrix.
+#[inline(always)]
+fn largest<const N: usize, V: Lane>(a: &[[V; N]; N], d: &[V; N]) -> V {
+    let mut sum = d[0].splat(0.0);
+    for i in 0..N {
+        sum = sum + (a[i][i] * d[i]) * (a[i][i] * d[i]);
+        for j in 0..i {
+            let product = a[i][j] * a[i][j] * d[i] * d[j];
+            sum = sum + (product + product);
+        }
+    }
+    V::each([sum], |[sum]| sum.sqrt())
 }
 
 impl<const N: usize> Motors<N> {
@@ -208,6 +250,20 @@ impl<const N: usize> Motors<N> {
             for j in 0..N {
                 out[i] = out[i] + zero.splat(self.coupling[i][j]) * x[j];
             }
+        }
+        out
+    }
+
+    /// `C X`, each row of X a column of its transpose.
+    #[inline(always)]
+    fn congruent<V: Lane>(&self, x: &[[V; N]; N]) -> [[V; N]; N] {
+        let mut out = *x;
+        for j in 0..N {
+            let mut column = x[0];
+            for k in 0..N {
+                column[k] = x[k][j];
+            }
+            out[j] = self.along(&column);
         }
         out
     }

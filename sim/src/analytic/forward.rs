@@ -1,7 +1,7 @@
 //! Forward dynamics in one pass out and one pass in: bias forces, composite inertias and the mass matrix together.
 //!
 //! ```text
-//! H(q) q̈ = τ − c(q, q̇) − g(q) − friction(q̇)
+//! H(q) q̈ = τ − friction(q, q̇) − c(q, q̇) − g(q)
 //! ```
 //! Out: velocities, accelerations without q̈, and the forces they need, with `U = [ω̇]× + [ω]×²` so that a point `x` of
 //! a link accelerates by `a + U x`; a link needs `f = m a + U m c` and `n = m c × a + vee(U Σ − Σ Uᵀ)`. In: forces and
@@ -226,16 +226,72 @@ impl<const N: usize, V: Lane> Inward<N, V> {
     }
 }
 
-impl<const N: usize> Chain<N> {
-    /// Accelerations of the joints of one arm, and the factor of its mass matrix, compiled once.
-    #[inline(never)]
-    pub(crate) fn accelerate_alone(&self, q: &[f64; N], v: &[f64; N], tau: &[f64; N]) -> ([f64; N], Factor<N, f64>) {
-        self.accelerate(q, v, tau)
+/// The rigid part of the equations of motion in one state.
+#[derive(Clone, Copy)]
+pub(crate) struct Rigid<const N: usize, V> {
+    /// Efforts that the motion takes without any acceleration, `c + g`.
+    bias: [V; N],
+    /// Of the mass matrix.
+    pub(crate) factor: Factor<N, V>,
+}
+
+impl<const N: usize, V: Lane> Rigid<N, V> {
+    /// No bias and no masses, before there is one.
+    #[inline(always)]
+    pub(crate) fn nothing(zero: V) -> Self {
+        Self { bias: [zero; N], factor: Factor { lower: [[zero; N]; N], reciprocal: [zero; N] } }
     }
 
-    /// Accelerations of the joints, and the factor of the mass matrix at `q`.
+    /// The same in other numbers.
     #[inline(always)]
-    pub(crate) fn accelerate<V: Lane>(&self, q: &[V; N], v: &[V; N], tau: &[V; N]) -> ([V; N], Factor<N, V>) {
+    pub(crate) fn map<U: Copy>(&self, of: impl Fn(V) -> U + Copy) -> Rigid<N, U> {
+        Rigid { bias: self.bias.map(of), factor: self.factor.map(of) }
+    }
+
+    /// Efforts `tau` less the bias.
+    #[inline(always)]
+    pub(crate) fn free(&self, tau: &[V; N]) -> [V; N] {
+        let mut out = *tau;
+        for i in 0..N {
+            out[i] = tau[i] - self.bias[i];
+        }
+        out
+    }
+
+    /// Accelerations under efforts `tau`, of which friction takes `taken`.
+    #[inline(always)]
+    pub(crate) fn accelerations(&self, tau: &[V; N], taken: &[V; N]) -> [V; N] {
+        let mut right = *tau;
+        for i in 0..N {
+            right[i] = tau[i] - taken[i] - self.bias[i];
+        }
+        self.factor.solve(right)
+    }
+}
+
+impl<const N: usize> Chain<N> {
+    /// Accelerations of the joints of one arm, and the rigid part of its equations, compiled once.
+    #[inline(never)]
+    pub(crate) fn accelerate_alone(&self, q: &[f64; N], v: &[f64; N], tau: &[f64; N]) -> ([f64; N], Rigid<N, f64>) {
+        let (taken, rigid) = self.parts(q, v);
+        (rigid.accelerations(tau, &taken), rigid)
+    }
+
+    /// Efforts that friction takes at `q` and `v`, and the rigid part there.
+    #[inline(always)]
+    pub(crate) fn parts<V: Lane>(&self, q: &[V; N], v: &[V; N]) -> ([V; N], Rigid<N, V>) {
+        self.sweep::<V, true>(q, v)
+    }
+
+    /// The rigid part at `q` and `v`.
+    #[inline(always)]
+    pub(crate) fn rigid<V: Lane>(&self, q: &[V; N], v: &[V; N]) -> Rigid<N, V> {
+        self.sweep::<V, false>(q, v).1
+    }
+
+    /// Both, or no friction.
+    #[inline(always)]
+    fn sweep<V: Lane, const FRICTION: bool>(&self, q: &[V; N], v: &[V; N]) -> ([V; N], Rigid<N, V>) {
         let one = q[0];
         let zero = one.splat(0.0);
         let none = [zero; 3];
@@ -266,8 +322,9 @@ impl<const N: usize> Chain<N> {
                 Twist::Right => outward.next::<RIGHT>(link, pose, v[i]),
             };
         }
-        let taken = self.forces.torque(q, v);
-        let mut right = [zero; N];
+        // Here, between the sweeps, it waits for neither.
+        let taken = if FRICTION { self.forces.torque(q, v) } else { [zero; N] };
+        let mut bias = [zero; N];
         let mut matrix = [[zero; N]; N];
         let mut inward =
             Inward { n: none, f: none, carried: moments(one, &links[N - 1]), column_n: [none; N], column_f: [none; N] };
@@ -282,7 +339,7 @@ impl<const N: usize> Chain<N> {
                 ([-s[2], -s[4], s[0] + s[3]], [-h[1], h[0], zero])
             };
             let along = |n: &Three<V>, f: &Three<V>| if link.prismatic { f[2] } else { n[2] };
-            right[i] = tau[i] - taken[i] - along(&inward.n, &inward.f);
+            bias[i] = along(&inward.n, &inward.f);
             for k in i..N {
                 matrix[k][i] = along(&inward.column_n[k], &inward.column_f[k]) + one.splat(self.rotors[k][i]);
             }
@@ -295,8 +352,7 @@ impl<const N: usize> Chain<N> {
                 }
             }
         }
-        let factor = Factor::new(&matrix);
-        (factor.solve(right), factor)
+        (taken, Rigid { bias, factor: Factor::new(&matrix) })
     }
 }
 
@@ -358,19 +414,6 @@ impl<const N: usize, V: Lane> Factor<N, V> {
         Self { lower, reciprocal }
     }
 
-    /// How much a unit of effort along `d` accelerates along `d`: `dᵀ M⁻¹ d`.
-    #[inline(always)]
-    pub(crate) fn mobility(&self, mut d: [V; N]) -> V {
-        let mut sum = d[0] * d[0] * self.reciprocal[0];
-        for j in 1..N {
-            for k in 0..j {
-                d[j] = d[j] - self.lower[j][k] * d[k];
-            }
-            sum = sum + d[j] * d[j] * self.reciprocal[j];
-        }
-        sum
-    }
-
     /// Returns this factor in other numbers.
     #[inline(always)]
     pub(crate) fn map<U: Copy>(&self, of: impl Fn(V) -> U) -> Factor<N, U> {
@@ -378,6 +421,18 @@ impl<const N: usize, V: Lane> Factor<N, V> {
             lower: std::array::from_fn(|i| std::array::from_fn(|j| of(self.lower[i][j]))),
             reciprocal: std::array::from_fn(|i| of(self.reciprocal[i])),
         }
+    }
+
+    /// `H⁻¹`.
+    #[inline(always)]
+    pub(crate) fn inverse(&self) -> [[V; N]; N] {
+        let (zero, one) = (self.reciprocal[0].splat(0.0), self.reciprocal[0].splat(1.0));
+        let mut columns = [[zero; N]; N];
+        for j in 0..N {
+            columns[j][j] = one;
+            columns[j] = self.solve(columns[j]);
+        }
+        columns
     }
 
     #[inline(always)]

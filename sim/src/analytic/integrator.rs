@@ -1,19 +1,30 @@
-//! The classical Runge–Kutta method of order 4 on the equations of motion, refined where friction is stiff.
+//! The classical Runge–Kutta method of order 4 on the equations of motion, with friction refined where it is stiff.
 //!
 //! ```text
 //! k₁ = f(y)   k₂ = f(y + h/2 k₁)   k₃ = f(y + h/2 k₂)   k₄ = f(y + h k₃)   y ← y + h/6 (k₁ + 2k₂ + 2k₃ + k₄)
 //! ```
-//! with `y = (q, q̇)`, torque held. Smooth Coulomb friction makes velocities near zero decay at rates up to
-//! `λ = tr(M⁻¹ D)`, `D` the slopes of friction: some thousands per second at standstill. A step is divided into
-//! `⌈λ h / 1.2⌉` equal parts, at most [`MOST_PARTS`], `λ` bounded over the speeds that the step may pass through. Away
-//! from standstill the tanh is flat and there is one part. The method is stable up to `λ h = 2.78`.
+//! with `y = (q, q̇)`, torque held. Smooth Coulomb friction makes velocities near zero decay at rates up to `λ`, the largest
+//! eigenvalue of `H⁻¹ D` with `D` the slopes of friction: some thousands per second at standstill. A step is then divided
+//! into `⌈λ h / 1.2⌉` equal parts, at most [`MOST_PARTS`]. The root of the sum of all squared eigenvalues bounds `λ`, and the
+//! largest slopes at the speeds that the step may pass through bound `D`. Away from standstill the tanh is flat and there is
+//! one part. The method is stable up to `λ h = 2.78`.
+//!
+//! Only friction needs the parts. In a divided step the rigid part, mass matrix and bias forces, is that of the middle of
+//! the step (midpoint rule, order 2), which half a step with the rigid part of the beginning finds:
+//!
+//! ```text
+//! H(qₘ) q̈ = τ − c(qₘ, q̇ₘ) − g(qₘ) − friction(q, q̇)
+//! ```
+//! So two rigid parts serve any number of friction's. A speed that creeps under friction then follows the forces of the middle.
 
 use super::chain::Chain;
-use super::forward::Factor;
+use super::forward::Rigid;
 use armid::lanes::Lane;
 
 /// Largest `λ h` of a part of a step.
 const STIFFNESS: f64 = 1.2;
+/// Parts of the step that finds the middle are longer by this factor: they must be stable, and need no order.
+const LONGER_PARTS: f64 = 2.0;
 /// Beyond this many `v_s` the slope of the smooth sign, below 4e-5 of the slope at zero, is no longer looked at.
 const REACH: f64 = 5.7;
 /// More parts than this a step never has.
@@ -26,8 +37,41 @@ pub(crate) struct State<const N: usize, V> {
     pub(crate) v: [V; N],
 }
 
+/// The equations of motion with a rigid part that does not change.
+#[derive(Clone, Copy)]
+pub(crate) struct Held<const N: usize, V> {
+    /// `H⁻¹`: products with it do not wait for each other, as those of a solution do.
+    inverse: [[V; N]; N],
+    /// `τ − c − g`.
+    free: [V; N],
+}
+
+impl<const N: usize, V: Lane> Held<N, V> {
+    #[inline(always)]
+    pub(crate) fn new(rigid: &Rigid<N, V>, tau: &[V; N]) -> Self {
+        Self { inverse: rigid.factor.inverse(), free: rigid.free(tau) }
+    }
+
+    /// Accelerations where friction takes `taken`.
+    #[inline(always)]
+    pub(crate) fn accelerations(&self, taken: &[V; N]) -> [V; N] {
+        let mut left = self.free;
+        for i in 0..N {
+            left[i] = self.free[i] - taken[i];
+        }
+        let mut out = left;
+        for i in 0..N {
+            out[i] = self.inverse[0][i] * left[0];
+            for j in 1..N {
+                out[i] = out[i] + self.inverse[j][i] * left[j];
+            }
+        }
+        out
+    }
+}
+
 #[inline(always)]
-fn along<const N: usize, V: Lane>(x: &[V; N], slope: &[V; N], h: V) -> [V; N] {
+pub(crate) fn along<const N: usize, V: Lane>(x: &[V; N], slope: &[V; N], h: V) -> [V; N] {
     let mut out = *x;
     for i in 0..N {
         out[i] = x[i] + h * slope[i];
@@ -35,29 +79,98 @@ fn along<const N: usize, V: Lane>(x: &[V; N], slope: &[V; N], h: V) -> [V; N] {
     out
 }
 
-/// How many parts a step needs, for each run.
+/// The state after a step of length `h`, by velocities and accelerations at its stages.
 #[inline(always)]
-fn parts<const N: usize, V: Lane>(chain: &Chain<N>, y: &State<N, V>, a: &[V; N], factor: &Factor<N, V>, dt: f64) -> V {
-    let one = a[0].splat(1.0);
-    // Half again as much as the acceleration at the beginning promises.
-    let mut change = *a;
+pub(crate) fn after<const N: usize, V: Lane>(y: &State<N, V>, stages: &[([V; N], [V; N]); 4], h: V) -> State<N, V> {
+    let [(v1, a1), (v2, a2), (v3, a3), (v4, a4)] = stages;
+    let (sixth, two) = (h * h.splat(1.0 / 6.0), h.splat(2.0));
+    let mut next = *y;
     for i in 0..N {
-        change[i] = a[i].magnitude() * one.splat(1.5 * dt);
+        next.q[i] = y.q[i] + sixth * (v1[i] + two * (v2[i] + v3[i]) + v4[i]);
+        next.v[i] = y.v[i] + sixth * (a1[i] + two * (a2[i] + a3[i]) + a4[i]);
     }
-    let turns = chain.forces.turns(&y.v, &change, REACH);
-    if turns.most() < 0.5 {
-        return one;
+    next
+}
+
+/// `a` where `small < large`, otherwise `b`.
+#[inline(always)]
+fn choose<const N: usize, V: Lane>(small: V, large: V, a: &State<N, V>, b: &State<N, V>) -> State<N, V> {
+    let mut out = *b;
+    for i in 0..N {
+        out.q[i] = small.less(large, a.q[i], b.q[i]);
+        out.v[i] = small.less(large, a.v[i], b.v[i]);
     }
-    let rate = chain.forces.decay(&y.q, &y.v, &change, factor);
+    out
+}
+
+/// By how much each speed may change in a step: half again as much as the acceleration at the beginning promises.
+#[inline(always)]
+fn changes<const N: usize, V: Lane>(a: &[V; N], dt: f64) -> [V; N] {
+    let mut out = *a;
+    for i in 0..N {
+        out[i] = a[i].magnitude() * a[i].splat(1.5 * dt);
+    }
+    out
+}
+
+/// How many parts a step needs, for each run, where speeds change by `change` and `turns` is 1 where friction may turn over.
+#[inline(always)]
+fn parts<const N: usize, V: Lane>(
+    chain: &Chain<N>,
+    y: &State<N, V>,
+    (change, turns): (&[V; N], V),
+    held: &Held<N, V>,
+    dt: f64,
+) -> V {
+    let one = turns.splat(1.0);
+    let rate = chain.forces.decay(&y.q, &y.v, change, &held.inverse);
     let needed = (rate * one.splat(dt / STIFFNESS) + one.splat(0.5)).nearest().smaller(one.splat(MOST_PARTS));
     // One where the acceleration is not a number: the caller finds the state not finite.
     one.splat(0.5).less(turns, one.less(needed, needed, one), one)
 }
 
+/// Of how many parts the half step that finds the middle has, by those of the step.
+#[inline(always)]
+pub(crate) fn parts_to_middle<V: Lane>(parts: V) -> V {
+    let one = parts.splat(1.0);
+    let needed = (parts * one.splat(0.5 / LONGER_PARTS) + one.splat(0.375)).nearest();
+    one.less(needed, needed, one)
+}
+
 /// How many parts a step of one arm is divided into.
 pub(crate) fn parts_of_step<const N: usize>(chain: &Chain<N>, y: &State<N, f64>, tau: &[f64; N], dt: f64) -> f64 {
-    let (a, factor) = chain.accelerate_alone(&y.q, &y.v, tau);
-    parts(chain, y, &a, &factor, dt)
+    let (a, rigid) = chain.accelerate_alone(&y.q, &y.v, tau);
+    let change = changes(&a, dt);
+    let turns = chain.forces.turns(&y.v, &change, REACH);
+    if turns < 0.5 { 1.0 } else { parts(chain, y, (&change, turns), &Held::new(&rigid, tau), dt) }
+}
+
+/// The state after `length` in equal parts, as many as each run needs.
+#[inline(always)]
+fn in_parts<const N: usize, V: Lane>(
+    chain: &Chain<N>,
+    held: &Held<N, V>,
+    start: &State<N, V>,
+    length: f64,
+    parts: V,
+) -> State<N, V> {
+    let h = parts.splat(length).over(parts);
+    let (mut y, mut done, most) = (*start, 0.0, parts.most());
+    let mut stages = [(y.v, y.v); 4];
+    while done < most {
+        let (mut q, mut v) = (y.q, y.v);
+        for stage in 0..4 {
+            let a = held.accelerations(&chain.forces.torque(&q, &v));
+            stages[stage] = (v, a);
+            let ahead = if stage < 2 { h * h.splat(0.5) } else { h };
+            q = along(&y.q, &v, ahead);
+            v = along(&y.v, &a, ahead);
+        }
+        // A run that has had all its parts waits for the others.
+        y = choose(h.splat(done), parts, &after(&y, &stages, h), &y);
+        done += 1.0;
+    }
+    y
 }
 
 /// Steps one arm by `dt` under held torque; compiled once for all that step arms one by one.
@@ -66,37 +179,104 @@ pub(crate) fn step_alone<const N: usize>(chain: &Chain<N>, y: &mut State<N, f64>
     step(chain, y, tau, dt);
 }
 
-/// Steps every run by `dt` under held torque. Stages are a loop, so that the equations of motion, which are all inlined, are
-/// compiled once and not at each of them.
+/// Where the rigid part is evaluated after the four stages of a step that is not divided.
+const MIDDLE: usize = 4;
+
+/// Steps every run by `dt` under held torque. Evaluations are a loop, so that the equations of motion, which are all inlined,
+/// are compiled once and not at each of them.
 #[inline(always)]
 pub(crate) fn step<const N: usize, V: Lane>(chain: &Chain<N>, y: &mut State<N, V>, tau: &[V; N], dt: f64) {
     let one = tau[0].splat(1.0);
-    let (mut parts_of_runs, mut h, mut most, mut done) = (one, one.splat(dt), f64::INFINITY, 0.0);
+    let h = one.splat(dt);
+    let (mut parts_of_runs, mut some_whole, mut some_divided) = (one, true, false);
+    let (mut q, mut v, mut divided) = (y.q, y.v, *y);
     let mut stages = [(y.v, y.v); 4];
-    while done < most {
-        let (mut q, mut v) = (y.q, y.v);
-        for stage in 0..4 {
-            let (a, factor) = chain.accelerate(&q, &v, tau);
-            if most == f64::INFINITY {
-                parts_of_runs = parts(chain, y, &a, &factor, dt);
-                h = one.splat(dt).over(parts_of_runs);
-                most = parts_of_runs.most();
+    for evaluation in 0..=MIDDLE {
+        if evaluation == MIDDLE {
+            if !some_divided {
+                break;
             }
-            stages[stage] = (v, a);
-            let ahead = if stage < 2 { h * one.splat(0.5) } else { h };
+            (q, v) = (divided.q, divided.v);
+        } else if evaluation > 0 && !some_whole {
+            continue;
+        }
+        let (taken, rigid) = chain.parts(&q, &v);
+        let (mut change, mut turns) = (v, one);
+        if evaluation < MIDDLE {
+            let a = rigid.accelerations(tau, &taken);
+            if evaluation == 0 {
+                change = changes(&a, dt);
+                turns = chain.forces.turns(&v, &change, REACH);
+                some_divided = turns.most() > 0.5;
+            }
+            stages[evaluation] = (v, a);
+            let ahead = if evaluation < 2 { h * one.splat(0.5) } else { h };
             q = along(&y.q, &v, ahead);
             v = along(&y.v, &a, ahead);
         }
-        let [(v1, a1), (v2, a2), (v3, a3), (v4, a4)] = &stages;
-        let (sixth, two) = (h * one.splat(1.0 / 6.0), one.splat(2.0));
-        let done_parts = one.splat(done);
-        for i in 0..N {
-            let next_q = y.q[i] + sixth * (v1[i] + two * (v2[i] + v3[i]) + v4[i]);
-            let next_v = y.v[i] + sixth * (a1[i] + two * (a2[i] + a3[i]) + a4[i]);
-            // A run that has had all its parts waits for the others.
-            y.q[i] = done_parts.less(parts_of_runs, next_q, y.q[i]);
-            y.v[i] = done_parts.less(parts_of_runs, next_v, y.v[i]);
+        if some_divided && (evaluation == 0 || evaluation == MIDDLE) {
+            let held = Held::new(&rigid, tau);
+            let (mut length, mut parts_of_length) = (dt, parts_of_runs);
+            if evaluation == 0 {
+                parts_of_runs = parts(chain, y, (&change, turns), &held, dt);
+                some_divided = parts_of_runs.most() > 1.0;
+                some_whole = (-parts_of_runs).most() == -1.0;
+                (length, parts_of_length) = (0.5 * dt, parts_to_middle(parts_of_runs));
+            }
+            if some_divided {
+                divided = in_parts(chain, &held, y, length, parts_of_length);
+            }
         }
-        done += 1.0;
+    }
+    let whole = after(y, &stages, h);
+    *y = if some_divided { choose(one, parts_of_runs, &divided, &whole) } else { whole };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use armid::conformance::chains::{self, ChainRecipe};
+    use armid::dynamics::Dynamics;
+    use armid::seed::Seed;
+    use nalgebra::DMatrix;
+
+    #[test]
+    fn identity_the_rate_of_friction_is_at_least_the_largest_eigenvalue_and_not_far_above() {
+        const N: usize = 5;
+        let (still, step) = ([0.0; N], 1e-7);
+        for run in 0..8 {
+            let mut rng = Seed::new(31).stream("friction", run);
+            let recipe = ChainRecipe { coupled: run % 2 == 1, tilted: true, ..ChainRecipe::new(N) };
+            let (robot, parameters) = recipe.draw(&mut rng);
+            let (q, ..) = chains::random_state(&mut rng, N);
+            let at: [f64; N] = std::array::from_fn(|i| q[i]);
+            let chain = Chain::<N>::new(&robot, &parameters);
+            let (_, rigid) = chain.accelerate_alone(&at, &still, &still);
+            let rate = chain.forces.decay(&at, &still, &still, &Held::new(&rigid, &still).inverse);
+
+            // Mass matrix and damping at standstill, column by column from the core's torques.
+            let mut dynamics = Dynamics::new(&robot, &parameters);
+            let mut torque = |speed: (usize, f64), acceleration: (usize, f64)| {
+                let (mut qd, mut qdd, mut tau) = (still, still, vec![0.0; N]);
+                (qd[speed.0], qdd[acceleration.0]) = (speed.1, acceleration.1);
+                dynamics.inverse(&at, &qd, &qdd, &mut tau);
+                tau
+            };
+            let rest = torque((0, 0.0), (0, 0.0));
+            let mut mass = DMatrix::zeros(N, N);
+            let mut damping = DMatrix::zeros(N, N);
+            for j in 0..N {
+                let (pushed, ahead, back) =
+                    (torque((0, 0.0), (j, 1.0)), torque((j, step), (0, 0.0)), torque((j, -step), (0, 0.0)));
+                for i in 0..N {
+                    mass[(i, j)] = pushed[i] - rest[i];
+                    damping[(i, j)] = (ahead[i] - back[i]) / (2.0 * step);
+                }
+            }
+            let rates = (mass.try_inverse().unwrap() * damping).complex_eigenvalues();
+            let largest = rates.iter().map(|rate| rate.norm()).fold(0.0, f64::max);
+            let most = 2.0 * (N as f64).sqrt() * largest;
+            assert!(rate > largest * (1.0 - 1e-5) && rate < most, "chain {run}: {rate} for {largest}");
+        }
     }
 }

@@ -176,9 +176,9 @@ impl<const N: usize, A: Advance> Arm for Jointed<N, A> {
     }
 
     fn acceleration(&self, tau: &[f64], qdd: &mut [f64]) -> bool {
-        let (found, factor) = self.chain.accelerate_alone(&self.state.q, &self.state.v, &fixed(tau));
+        let (found, rigid) = self.chain.accelerate_alone(&self.state.q, &self.state.v, &fixed(tau));
         qdd.copy_from_slice(&found);
-        factor.is_positive()
+        rigid.factor.is_positive()
     }
 
     fn boxed(&self) -> Box<dyn Arm> {

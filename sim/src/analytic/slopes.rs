@@ -4,8 +4,9 @@
 //! H(q) q̈ + … = Y(q, q̇, q̈) φ = τ        ∂q̈/∂φ_j = ∂q̈/∂q q'_j + ∂q̈/∂q̇ q̇'_j + H⁻¹ (τ'_j − Y_j)
 //! ```
 //! Propagated through every stage of the Runge–Kutta step, so that they are the derivatives of the simulation itself and not
-//! of the equations that it approximates; the division of a step where friction is stiff is taken as given. Derivatives by the
-//! state come from [`Jet`]s through the plant's own recursion, columns from the core's regressor.
+//! of the equations that it approximates. The division of a step where friction is stiff is taken as given. A rigid part that is
+//! held moves with the state in which it was taken. Derivatives by the state come from [`Jet`]s through the plant's own recursion,
+//! columns from the core's regressor.
 
 use armid::experiment::{Plant, PlantError};
 use armid::model::{Columns, ParameterId, Robot, StandardParameters};
@@ -13,7 +14,8 @@ use armid::regressor::JointTorqueRegressor;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::chain::Chain;
-use super::integrator::{self, State};
+use super::forward::Rigid;
+use super::integrator::{self, Held, State, after, along};
 use super::jet::Jet;
 use super::plant::{AnalyticError, AnalyticPlant};
 
@@ -50,9 +52,11 @@ pub(crate) fn sloped_arm(
     let regressor = regressor.map_err(|fault| AnalyticError::Derivative { parameter: beyond(fault) })?;
     let column = |id: &ParameterId| {
         let found = regressor.parameters().iter().position(|own| own == id);
+        let of_term = id.kind.term().is_some_and(|term| !term.is_inertia());
+        let found = found.map(|column| (column, of_term));
         found.ok_or_else(|| AnalyticError::Derivative { parameter: id.to_string() })
     };
-    let kept: Vec<usize> = by.iter().map(column).collect::<Result<_, _>>()?;
+    let kept: Vec<(usize, bool)> = by.iter().map(column).collect::<Result<_, _>>()?;
     let spec = (robot, parameters, regressor, kept, beside);
     let arm: Box<dyn SlopedArm> = match dof {
         1 => Box::new(Sloped::<1, 2>::new(spec)),
@@ -71,13 +75,19 @@ pub(crate) fn sloped_arm(
 struct Sloped<const N: usize, const K: usize> {
     chain: Chain<N>,
     regressor: JointTorqueRegressor,
-    kept: Vec<usize>,
+    /// Which column each direction is, and whether it is friction's.
+    kept: Vec<(usize, bool)>,
     /// d.
     directions: usize,
     state: State<N, f64>,
     /// Derivatives of coordinates and velocities, N × d each.
     q: Vec<f64>,
     v: Vec<f64>,
+    /// Those where a held rigid part was taken, and at the beginning of a divided step.
+    taken_q: Vec<f64>,
+    taken_v: Vec<f64>,
+    start_q: Vec<f64>,
+    start_v: Vec<f64>,
     /// Those at the stage, and of the accelerations of all four.
     stage_q: Vec<f64>,
     stage_v: Vec<f64>,
@@ -85,6 +95,14 @@ struct Sloped<const N: usize, const K: usize> {
     sum_v: Vec<f64>,
     a: Vec<f64>,
     y: Vec<f64>,
+    y_of_terms: Vec<f64>,
+}
+
+/// The rigid part of the equations, the same while it is held, and where it was taken.
+struct Taken<const N: usize, const K: usize> {
+    rigid: Rigid<N, Jet<K>>,
+    held: Held<N, f64>,
+    at: State<N, f64>,
 }
 
 impl<const N: usize, const K: usize> Sloped<N, K> {
@@ -93,7 +111,7 @@ impl<const N: usize, const K: usize> Sloped<N, K> {
             &Robot,
             &StandardParameters,
             JointTorqueRegressor,
-            Vec<usize>,
+            Vec<(usize, bool)>,
             usize,
         ),
     ) -> Self {
@@ -102,10 +120,15 @@ impl<const N: usize, const K: usize> Sloped<N, K> {
         Self {
             chain: Chain::new(robot, parameters),
             y: vec![0.0; N * regressor.cols()],
+            y_of_terms: vec![0.0; N * regressor.cols()],
             regressor,
             state: State { q: [0.0; N], v: [0.0; N] },
             q: zero(),
             v: zero(),
+            taken_q: zero(),
+            taken_v: zero(),
+            start_q: zero(),
+            start_v: zero(),
             stage_q: zero(),
             stage_v: zero(),
             sum_q: zero(),
@@ -117,99 +140,144 @@ impl<const N: usize, const K: usize> Sloped<N, K> {
     }
 
     /// Accelerations at a state under `tau`, and in `a` their derivatives where those of the state are `stage_q` and `stage_v`.
+    /// The rigid part is `taken`, of this state where `whole`.
     #[inline(always)]
-    fn accelerate(&mut self, q: &[f64; N], v: &[f64; N], tau: &[f64; N], by: &[f64]) -> [f64; N] {
-        let mut jets = ([Jet::<K>::fixed(0.0); N], [Jet::<K>::fixed(0.0); N], [Jet::<K>::fixed(0.0); N]);
+    fn accelerate(
+        &mut self,
+        taken: &Taken<N, K>,
+        at: &State<N, f64>,
+        tau: &[f64; N],
+        by: &[f64],
+        whole: bool,
+    ) -> [f64; N] {
+        let friction = self.chain.forces.torque_and_slopes::<K>(&at.q, &at.v);
+        // What the state changes in friction is not told apart from a change of torque.
+        let mut values = [0.0; N];
+        let mut fixed = [Jet::<K>::fixed(0.0); N];
         for i in 0..N {
-            jets.0[i] = Jet::variable(q[i], i);
-            jets.1[i] = Jet::variable(v[i], N + i);
-            jets.2[i] = Jet::fixed(tau[i]);
+            values[i] = friction[i].value;
+            fixed[i] = Jet::fixed(values[i]);
         }
-        let (found, factor) = self.chain.accelerate(&jets.0, &jets.1, &jets.2);
-        let mut qdd = [0.0; N];
-        for i in 0..N {
-            qdd[i] = found[i].value;
+        let efforts = tau.map(Jet::<K>::fixed);
+        let found = taken.rigid.accelerations(&efforts, &fixed);
+        let rigid = taken.rigid.map(|jet| jet.value);
+        let qdd = if whole { found.map(|jet| jet.value) } else { taken.held.accelerations(&values) };
+        self.regressor.evaluate(&taken.at.q, &taken.at.v, &qdd, &mut self.y);
+        if !whole {
+            self.regressor.evaluate(&at.q, &at.v, &qdd, &mut self.y_of_terms);
         }
-        self.regressor.evaluate(q, v, &qdd, &mut self.y);
         let (d, p) = (self.directions, self.regressor.cols());
         self.a.copy_from_slice(by);
         for i in 0..N {
-            for (a, &column) in self.a[i * d..(i + 1) * d].iter_mut().zip(&self.kept) {
-                *a -= self.y[i * p + column];
-            }
-        }
-        factor.map(|jet| jet.value).solve_rows(&mut self.a, d);
-        for i in 0..N {
             let own = &mut self.a[i * d..(i + 1) * d];
-            for k in 0..N {
-                let (of_q, of_v) = (found[i].by[k], found[i].by[N + k]);
-                let rows = self.stage_q[k * d..(k + 1) * d].iter().zip(&self.stage_v[k * d..(k + 1) * d]);
-                for (own, (q, v)) in own.iter_mut().zip(rows) {
-                    *own += of_q * q + of_v * v;
-                }
+            for (a, &(column, of_term)) in own.iter_mut().zip(&self.kept) {
+                let y = if of_term && !whole { &self.y_of_terms } else { &self.y };
+                *a -= y[i * p + column];
             }
+            add_products(own, &friction[i].by.map(|by| -by), &self.stage_q, &self.stage_v);
+        }
+        rigid.factor.solve_rows(&mut self.a, d);
+        let (of_q, of_v) = if whole { (&self.stage_q, &self.stage_v) } else { (&self.taken_q, &self.taken_v) };
+        for i in 0..N {
+            add_products(&mut self.a[i * d..(i + 1) * d], &found[i].by, of_q, of_v);
         }
         qdd
     }
 
-    /// One Runge–Kutta step of length `h`, with the bits of the plant's. Written as a loop so that the recursion is compiled once.
+    /// One Runge–Kutta step of length `h`. The rigid part is taken anew at each stage where `whole`, else at `new` if that is given.
+    /// Written as a loop so that the recursion is compiled once.
     #[inline(always)]
-    fn advance(&mut self, tau: &[f64; N], by: &[f64], h: f64) {
+    fn advance(&mut self, taken: &mut Taken<N, K>, new: bool, tau: &[f64; N], by: &[f64], h: f64, whole: bool) {
         let start = self.state;
-        let (half, sixth) = (h * 0.5, h * (1.0 / 6.0));
-        let (mut q, mut v) = (start.q, start.v);
+        let half = h * 0.5;
+        let mut at = start;
         let mut stages = [([0.0; N], [0.0; N]); 4];
         self.stage_q.copy_from_slice(&self.q);
         self.stage_v.copy_from_slice(&self.v);
         self.sum_q.fill(0.0);
         self.sum_v.fill(0.0);
         for (stage, ahead) in [half, half, h, 0.0].into_iter().enumerate() {
-            let a = self.accelerate(&q, &v, tau, by);
-            stages[stage] = (v, a);
+            if whole {
+                taken.at = at;
+            }
+            if whole || (new && stage == 0) {
+                let mut jets = ([Jet::<K>::fixed(0.0); N], [Jet::<K>::fixed(0.0); N]);
+                for i in 0..N {
+                    jets.0[i] = Jet::variable(taken.at.q[i], i);
+                    jets.1[i] = Jet::variable(taken.at.v[i], N + i);
+                }
+                taken.rigid = self.chain.rigid(&jets.0, &jets.1);
+                if !whole {
+                    taken.held = Held::new(&taken.rigid.map(|jet| jet.value), tau);
+                }
+            }
+            let a = self.accelerate(taken, &at, tau, by, whole);
+            stages[stage] = (at.v, a);
             let weight = if stage == 1 || stage == 2 { 2.0 } else { 1.0 };
             for k in 0..self.q.len() {
                 self.sum_q[k] += weight * self.stage_v[k];
                 self.sum_v[k] += weight * self.a[k];
             }
             if stage < 3 {
-                (q, v) = (moved(&start.q, &v, ahead), moved(&start.v, &a, ahead));
+                at = State { q: along(&start.q, &at.v, ahead), v: along(&start.v, &a, ahead) };
                 for k in 0..self.q.len() {
                     self.stage_q[k] = self.q[k] + ahead * self.stage_v[k];
                     self.stage_v[k] = self.v[k] + ahead * self.a[k];
                 }
             }
         }
-        let [(v1, a1), (v2, a2), (v3, a3), (v4, a4)] = stages;
-        for i in 0..N {
-            self.state.q[i] = start.q[i] + sixth * (v1[i] + 2.0 * (v2[i] + v3[i]) + v4[i]);
-            self.state.v[i] = start.v[i] + sixth * (a1[i] + 2.0 * (a2[i] + a3[i]) + a4[i]);
-        }
+        self.state = after(&start, &stages, h);
+        let sixth = h * (1.0 / 6.0);
         for k in 0..self.q.len() {
             self.q[k] += sixth * self.sum_q[k];
             self.v[k] += sixth * self.sum_v[k];
         }
     }
 
-    /// One step: as many of those as the plant's has.
+    /// One step, with the bits of the plant's.
     #[inline(always)]
     fn step(&mut self, tau: &[f64; N], by: &[f64], dt: f64) {
         let parts = integrator::parts_of_step(&self.chain, &self.state, tau, dt);
-        let h = dt / parts;
-        let mut done = 0.0;
-        while done < parts {
-            self.advance(tau, by, h);
-            done += 1.0;
+        let whole = parts == 1.0;
+        let start = self.state;
+        if !whole {
+            self.start_q.copy_from_slice(&self.q);
+            self.start_v.copy_from_slice(&self.v);
+            self.taken_q.copy_from_slice(&self.q);
+            self.taken_v.copy_from_slice(&self.v);
+        }
+        let nothing = Rigid::nothing(Jet::fixed(0.0));
+        let mut taken = Taken { rigid: nothing, held: Held::new(&nothing.map(|jet| jet.value), tau), at: start };
+        let to_middle = if whole { 0.0 } else { integrator::parts_to_middle(parts) };
+        for (length, parts) in [(0.5 * dt, to_middle), (dt, parts)] {
+            let mut done = 0.0;
+            while done < parts {
+                self.advance(&mut taken, done == 0.0, tau, by, length / parts, whole);
+                done += 1.0;
+            }
+            if !whole && length < dt {
+                taken.at = self.state;
+                self.taken_q.copy_from_slice(&self.q);
+                self.taken_v.copy_from_slice(&self.v);
+                self.state = start;
+                self.q.copy_from_slice(&self.start_q);
+                self.v.copy_from_slice(&self.start_v);
+            }
         }
     }
 }
 
+/// Adds to `own`, of d numbers, what changes of the state in d directions (n × d each) do to a number whose derivatives are `by`.
 #[inline(always)]
-fn moved<const N: usize>(x: &[f64; N], slope: &[f64; N], h: f64) -> [f64; N] {
-    let mut out = *x;
-    for i in 0..N {
-        out[i] = x[i] + h * slope[i];
+fn add_products<const K: usize>(own: &mut [f64], by: &[f64; K], of_q: &[f64], of_v: &[f64]) {
+    let d = own.len();
+    for k in 0..K / 2 {
+        let (by_q, by_v) = (by[k], by[K / 2 + k]);
+        let rows = of_q[k * d..(k + 1) * d].iter().zip(&of_v[k * d..(k + 1) * d]);
+        for (own, (q, v)) in own.iter_mut().zip(rows) {
+            *own += by_q * q + by_v * v;
+        }
     }
-    out
 }
 
 /// One step, compiled for the processor's vectors; every lane does what it would do alone.
