@@ -226,7 +226,7 @@ fn slopes_of<const N: usize>(banks: &[Bank<N>], q: &[f64; N], v: &[f64; N]) -> [
     out
 }
 
-/// `(Σ Aᵢⱼ² dᵢ dⱼ)½` of a symmetric matrix.
+/// `(Σ Aᵢⱼ² dᵢ dⱼ)½` of a symmetric matrix: at least the largest eigenvalue of `A diag(d)`, A positive definite and d not negative.
 #[inline(always)]
 fn largest<const N: usize, V: Lane>(a: &[[V; N]; N], d: &[V; N]) -> V {
     let mut sum = d[0].splat(0.0);
@@ -254,7 +254,7 @@ impl<const N: usize> Motors<N> {
         out
     }
 
-    /// `C X`, each row of X a column of its transpose.
+    /// `C X`, its columns as rows.
     #[inline(always)]
     fn congruent<V: Lane>(&self, x: &[[V; N]; N]) -> [[V; N]; N] {
         let mut out = *x;

@@ -129,7 +129,7 @@ fn parts<const N: usize, V: Lane>(
     one.splat(0.5).less(turns, one.less(needed, needed, one), one)
 }
 
-/// Of how many parts the half step that finds the middle has, by those of the step.
+/// Of how many parts the half step that finds the middle has, by those of the step: `⌈parts / 4⌉`. Quarters plus 0.375 round to that.
 #[inline(always)]
 pub(crate) fn parts_to_middle<V: Lane>(parts: V) -> V {
     let one = parts.splat(1.0);
