@@ -90,7 +90,8 @@ class FirstMotion(unittest.TestCase):
         scratch = tempfile.TemporaryDirectory()
         self.addCleanup(scratch.cleanup)
         self.folder = Path(scratch.name)
-        self.write(domain=160 + os.getpid() % 60, stale_ms=50 if REAL_TIME else 1000)
+        # A machine that is shared may stand still for more than the 50 ms of the page, whatever the priority.
+        self.write(domain=160 + os.getpid() % 60, stale_ms=50 if os.environ.get("WRITE") else 1000)
 
     def write(self, **settings):
         (self.folder / "experiment.toml").write_text(EXPERIMENT.format(**settings), encoding="utf-8")
