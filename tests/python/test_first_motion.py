@@ -80,7 +80,7 @@ def works(command):
     return shutil.which(command[0]) and subprocess.run(command, capture_output=True, check=False).returncode == 0
 
 
-# States come in time where the machine gives real-time priority, whatever else it does.
+# With real-time priority, where the machine gives it, states seldom come late.
 FIFO = ["chrt", "--fifo", "10"]
 REAL_TIME = FIFO if works([*FIFO, "true"]) else []
 
