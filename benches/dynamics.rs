@@ -1,18 +1,20 @@
 //! Times one evaluation of the equations of motion and of the regressor on the CRS A460 at random states:
-//! `cargo bench -p armid --bench dynamics [-- PART_OF_A_NAME]`. Prints the best of several batches, ns per evaluation.
+//! `cargo bench -p armid --bench dynamics [-- PART_OF_A_NAME]`. Prints the best of several batches, ns per evaluation. With
+//! `--source FILE` it writes the links of the same arm as C instead, for `benches/peers/exported.cpp`.
 #![allow(clippy::print_stdout, reason = "a benchmark prints its figures")]
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use armid::base::{Method, reduce};
+use armid::codegen::{BaseModel, Language};
 use armid::conformance::chains;
 use armid::dynamics::{Dynamics, States};
 use armid::model::format::{parse_nominal, parse_robot};
 use armid::model::{Columns, bundled};
 use armid::regressor::JointTorqueRegressor;
 use armid::seed::Seed;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 const STATES: usize = 256;
 
@@ -38,6 +40,15 @@ fn time(name: &str, per_call: usize, mut run: impl FnMut(usize)) {
 fn main() {
     let entry = bundled().iter().find(|entry| entry.name == "crs-a460").expect("a bundled robot");
     let robot = parse_robot(entry.robot).expect("a bundled robot is valid");
+    let mut arguments = std::env::args().skip_while(|argument| argument != "--source").skip(1);
+    if let Some(file) = arguments.next() {
+        let base =
+            reduce(&robot, Columns::RIGID, Method::Structural, Seed::new(0)).expect("a bundled robot has a base");
+        // None is zero, which would save operations.
+        let beta = DVector::from_fn(base.rank(), |k, _| 0.1 + 0.01 * k as f64);
+        let source = BaseModel::new(&robot, &base, &beta).expect("links alone").source(Language::C, entry.name);
+        return std::fs::write(file, source).expect("a file that can be written");
+    }
     let parameters = parse_nominal(entry.nominal, &robot).expect("bundled parameters are valid").parameters;
     let mut rng = Seed::new(1).stream("bench", 0);
     let mut states = States::new(6);

@@ -11,6 +11,7 @@ use armid::dynamics::Dynamics;
 use armid::model::format::{parse_nominal, parse_robot};
 use armid::model::term::{LOAD_FRICTION, MOTOR_LOAD_FRICTION, OFFSET, ROTOR};
 use armid::model::{Columns, Robot, StandardParameters, bundled};
+use armid::regressor::JointTorqueRegressor;
 use armid::seed::Seed;
 use nalgebra::{DMatrix, DVector};
 
@@ -50,12 +51,33 @@ fn columns() -> Columns {
 }
 
 fn model(robot: &Robot, parameters: &StandardParameters) -> BaseModel {
-    let columns = columns();
-    let base = reduce(robot, columns, Method::Structural, Seed::new(0)).expect("a base");
-    BaseModel::new(robot, &base, &base.beta(&parameters.vector(robot, columns))).expect("a model")
+    model_and_regressor(robot, parameters).0
 }
 
-/// Torques of the states, and gravity and mass matrix at the first, one line each.
+/// A model, and at a state the columns of its base from the regressor of all parameters, by rows.
+fn model_and_regressor(
+    robot: &Robot,
+    parameters: &StandardParameters,
+) -> (BaseModel, impl Fn(&[Vec<f64>; 3]) -> Vec<f64>) {
+    let columns = columns();
+    let base = reduce(robot, columns, Method::Structural, Seed::new(0)).expect("a base");
+    let beta = base.beta(&parameters.vector(robot, columns));
+    // Friction of the load is that of the torque of β alone.
+    let mut in_places = StandardParameters::zero(robot.dof());
+    for (&column, &value) in base.kept.iter().zip(&beta) {
+        in_places.set(base.parameters[column], value);
+    }
+    let all = JointTorqueRegressor::with_load(robot, columns, &in_places);
+    let model = BaseModel::new(robot, &base, &beta).expect("a model");
+    let regressor = move |[q, qd, qdd]: &[Vec<f64>; 3]| {
+        let mut y = vec![0.0; all.rows() * all.cols()];
+        all.evaluate(q, qd, qdd, &mut y);
+        y.chunks_exact(all.cols()).flat_map(|row| base.kept.iter().map(|&column| row[column])).collect()
+    };
+    (model, regressor)
+}
+
+/// Torques of the states, gravity and mass matrix at the first, and its torque again, one line each.
 fn expected(
     robot: &Robot,
     parameters: &StandardParameters,
@@ -95,6 +117,7 @@ fn expected(
         }
     }
     out.extend(mass);
+    out.extend_from_within(..n);
     out
 }
 
@@ -102,46 +125,63 @@ fn row(x: &[f64]) -> String {
     x.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ")
 }
 
-/// A program around the source that prints what `expected` lists.
-fn program(language: Language, n: usize, states: &[[Vec<f64>; 3]]) -> String {
-    let mut out = String::new();
-    let count = states.len();
-    let tables: Vec<String> = (0..3)
-        .map(|which| {
-            let rows = states.iter().map(|state| match language {
-                Language::C => format!("{{{}}}", row(&state[which])),
-                Language::Rust => format!("[{}]", row(&state[which])),
-            });
-            rows.collect::<Vec<_>>().join(",\n")
-        })
-        .collect();
-    match language {
-        Language::C => {
-            let _ = writeln!(out, "#include <stdio.h>");
-            for (name, table) in ["Q", "V", "A"].iter().zip(&tables) {
-                let _ = writeln!(out, "static const double {name}[{count}][{n}] = {{{table}}};");
-            }
-            let _ = writeln!(
-                out,
-                "int main(void) {{ double t[{n}], m[{}]; for (int k = 0; k < {count}; k++) {{ \
-                 armid_inverse_dynamics(Q[k], V[k], A[k], t); for (int i = 0; i < {n}; i++) printf(\"%.17g\\n\", t[i]); }} \
-                 armid_gravity(Q[0], t); for (int i = 0; i < {n}; i++) printf(\"%.17g\\n\", t[i]); \
-                 armid_mass_matrix(Q[0], m); for (int i = 0; i < {}; i++) printf(\"%.17g\\n\", m[i]); return 0; }}",
-                n * n,
-                n * n
-            );
-        }
-        Language::Rust => {
-            for (name, table) in ["Q", "V", "A"].iter().zip(&tables) {
-                let _ = writeln!(out, "const {name}: [[f64; {n}]; {count}] = [{table}];");
-            }
-            out.push_str(
-                "fn main() { for k in 0..Q.len() { for t in inverse_dynamics(&Q[k], &V[k], &A[k]) { println!(\"{t:?}\"); } } \
-                 for t in gravity(&Q[0]) { println!(\"{t:?}\"); } for m in mass_matrix(&Q[0]) { println!(\"{m:?}\"); } }",
-            );
-        }
+/// Three numbers of each joint in each state, as tables Q, V and A.
+fn tables(language: Language, n: usize, states: &[[Vec<f64>; 3]]) -> String {
+    let (mut out, count) = (String::new(), states.len());
+    for (which, name) in ["Q", "V", "A"].iter().enumerate() {
+        let rows = states.iter().map(|state| match language {
+            Language::C => format!("{{{}}}", row(&state[which])),
+            Language::Rust => format!("[{}]", row(&state[which])),
+        });
+        let table = rows.collect::<Vec<_>>().join(",\n");
+        let _ = match language {
+            Language::C => writeln!(out, "static const double {name}[{count}][{n}] = {{{table}}};"),
+            Language::Rust => writeln!(out, "const {name}: [[f64; {n}]; {count}] = [{table}];"),
+        };
     }
     out
+}
+
+/// A program around the source that prints what `expected` lists.
+fn program(language: Language, [n, b]: [usize; 2], states: &[[Vec<f64>; 3]]) -> String {
+    let tables = tables(language, n, states);
+    match language {
+        Language::C => format!(
+            "#include <stdio.h>\n{tables}\
+             static void print(const double *x, int count) {{ for (int i = 0; i < count; i++) printf(\"%.17g\\n\", x[i]); }}\n\
+             int main(void) {{ double t[{n}], m[{n} * {n}], y[{n} * {b}]; \
+             for (int k = 0; k < {}; k++) {{ armid_inverse_dynamics(Q[k], V[k], A[k], t); print(t, {n}); }} \
+             armid_gravity(Q[0], t); print(t, {n}); armid_mass_matrix(Q[0], m); print(m, {n} * {n}); \
+             armid_regressor(Q[0], V[0], A[0], y); for (int i = 0; i < {n}; i++) {{ t[i] = 0.0; \
+             for (int j = 0; j < {b}; j++) t[i] += y[{b} * i + j] * armid_base_parameters[j]; }} print(t, {n}); return 0; }}",
+            states.len()
+        ),
+        Language::Rust => {
+            tables
+                + "fn print(x: &[f64]) { for x in x { println!(\"{x:?}\"); } }\n\
+                   fn main() { for k in 0..Q.len() { print(&inverse_dynamics(&Q[k], &V[k], &A[k])); } \
+                   print(&gravity(&Q[0])); print(&mass_matrix(&Q[0])); \
+                   for row in regressor(&Q[0], &V[0], &A[0]).chunks(BASE_PARAMETERS.len()) { \
+                   print(&[row.iter().zip(BASE_PARAMETERS).map(|(y, b)| y * b).sum::<f64>()]); } }"
+        }
+    }
+}
+
+/// A program that prints the accelerations of states whose third numbers are torques.
+fn forward_program(language: Language, n: usize, states: &[[Vec<f64>; 3]]) -> String {
+    let tables = tables(language, n, states);
+    match language {
+        Language::C => format!(
+            "#include <stdio.h>\n{tables}int main(void) {{ double a[{n}]; for (int k = 0; k < {}; k++) {{ \
+             armid_forward_dynamics(Q[k], V[k], A[k], a); \
+             for (int i = 0; i < {n}; i++) printf(\"%.17g\\n\", a[i]); }} return 0; }}",
+            states.len()
+        ),
+        Language::Rust => {
+            tables
+                + "fn main() { for k in 0..Q.len() { for a in forward_dynamics(&Q[k], &V[k], &A[k]) { println!(\"{a:?}\"); } } }"
+        }
+    }
 }
 
 /// Compiles without a warning, runs, and reads what was printed.
@@ -156,7 +196,8 @@ fn run(language: Language, text: &str, folder: &Path) -> Vec<f64> {
         }
         Language::Rust => {
             let mut rustc = Command::new("rustc");
-            rustc.args(["--edition", "2021", "-D", "warnings", "-O"]).arg(&file).arg("-o").arg(&out);
+            // A program need not call every function.
+            rustc.args(["--edition", "2021", "-D", "warnings", "-A", "dead_code", "-O"]).arg(&file).arg("-o").arg(&out);
             rustc
         }
     };
@@ -171,7 +212,7 @@ fn identity_compiled_source_has_the_torque_of_all_parameters() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("codegen");
     std::fs::create_dir_all(&folder).expect("a folder");
     for (index, (robot, parameters)) in arms().iter().enumerate() {
-        let model = model(robot, parameters);
+        let (model, regressor) = model_and_regressor(robot, parameters);
         let mut rng = Seed::new(92).stream("states", index as u64);
         let states: Vec<[Vec<f64>; 3]> = (0..STATES)
             .map(|_| {
@@ -188,7 +229,16 @@ fn identity_compiled_source_has_the_torque_of_all_parameters() {
                 assert!((found - expected).abs() < 1e-10 * size, "{}: {found} {expected}", robot.name());
             }
         }
-        let mut rest = vec![0.0; expected.len() - STATES * robot.dof()];
+        for state @ [q, qd, qdd] in &states {
+            let expected = regressor(state);
+            let size = expected.iter().fold(0.0_f64, |size, y| size.max(y.abs()));
+            let mut y = vec![0.0; expected.len()];
+            model.regressor(q, qd, qdd, &mut y);
+            for (found, expected) in y.iter().zip(&expected) {
+                assert!((found - expected).abs() < 1e-12 * size, "{}: {found} {expected}", robot.name());
+            }
+        }
+        let mut rest = vec![0.0; robot.dof() * (1 + robot.dof())];
         let (weight, mass) = rest.split_at_mut(robot.dof());
         model.gravity(&states[0][0], weight);
         model.mass_matrix(&states[0][0], mass);
@@ -196,7 +246,8 @@ fn identity_compiled_source_has_the_torque_of_all_parameters() {
             assert!((found - expected).abs() < 1e-10 * size, "{}: {found} {expected}", robot.name());
         }
         for language in Language::ALL {
-            let text = model.source(language, "an arm") + &program(language, robot.dof(), &states);
+            let sizes = [robot.dof(), regressor(&states[0]).len() / robot.dof()];
+            let text = model.source(language, "an arm") + &program(language, sizes, &states);
             let found = run(language, &text, &folder);
             assert_eq!(found.len(), expected.len());
             for (k, (found, expected)) in found.iter().zip(&expected).enumerate() {
@@ -208,6 +259,57 @@ fn identity_compiled_source_has_the_torque_of_all_parameters() {
             }
         }
     }
+}
+
+#[test]
+fn identity_compiled_forward_dynamics_have_the_accelerations_of_the_torque() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("codegen-forward");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    for (index, (robot, mut parameters)) in arms().into_iter().enumerate() {
+        let columns = Columns::RIGID_ROTOR_FRICTION;
+        for drive in &mut parameters.drives {
+            *drive = drive.only(|term| columns.has(term));
+        }
+        let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).expect("a base");
+        let beta = base.beta(&parameters.vector(&robot, columns));
+        let model = BaseModel::new(&robot, &base, &beta).expect("a model");
+        let (n, mut dynamics) = (robot.dof(), Dynamics::new(&robot, &parameters));
+        let mut rng = Seed::new(93).stream("states", index as u64);
+        let (mut states, mut expected) = (Vec::new(), Vec::new());
+        for _ in 0..STATES {
+            let (q, qd, qdd) = random_state(&mut rng, n);
+            let mut tau = vec![0.0; n];
+            dynamics.inverse(&q, &qd, &qdd, &mut tau);
+            expected.extend(qdd);
+            states.push([q, qd, tau]);
+        }
+        let size = expected.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+        let alike = |found: &[f64], whose: &str| {
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(&expected) {
+                assert!((found - expected).abs() < 1e-9 * size, "{} {whose}: {found} {expected}", robot.name());
+            }
+        };
+        let mut evaluated = vec![0.0; expected.len()];
+        for ([q, qd, tau], qdd) in states.iter().zip(evaluated.chunks_exact_mut(n)) {
+            model.forward_dynamics(q, qd, tau, qdd);
+        }
+        alike(&evaluated, "evaluated");
+        for language in Language::ALL {
+            let text = model.source(language, "an arm") + &forward_program(language, n, &states);
+            alike(&run(language, &text, &folder), language.name());
+        }
+    }
+}
+
+#[test]
+fn friction_of_the_load_leaves_no_forward_dynamics() {
+    let (robot, parameters) = &arms()[0];
+    let model = model(robot, parameters);
+    let mut qdd = [0.0; 6];
+    model.forward_dynamics(&[0.0; 6], &[0.0; 6], &[0.0; 6], &mut qdd);
+    assert!(!model.has_forward_dynamics() && qdd.iter().all(|qdd| qdd.is_nan()));
+    assert!(!model.source(Language::C, "").contains("forward_dynamics"));
 }
 
 #[test]

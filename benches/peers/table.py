@@ -61,33 +61,38 @@ def built(groups):
     return found
 
 
-def compiled(folder):
-    """Pinocchio's headers and CasADi's source, for this processor."""
+def compiled(programs, folder):
+    """Pinocchio's headers, CasADi's source and the source that armid exports, for this processor."""
     prefix = Path(pin.__file__).parents[4] / "include"
     flags = ["-O3", "-march=native", "-std=c++17", "-DNDEBUG"]
     # Joint types of Pinocchio are more than Boost's lists hold by default.
     limits = ["-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30", "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS",
               "-DBOOST_FUSION_INVOKE_MAX_ARITY=12"]
-    here, native, code = Path(__file__).parent, Path(folder) / "native", Path(folder) / "code"
+    here, native = Path(__file__).parent, Path(folder) / "native"
     generated.write(folder)
-    subprocess.run(["g++", *flags, f"-I{folder}", here / "generated.cpp", "-o", code], check=True)
+    subprocess.run([programs["dynamics"], "--source", Path(folder) / "exported.c"], check=True)
+    sources = []
+    for name in ("generated", "exported"):
+        sources.append(Path(folder) / name)
+        subprocess.run(["g++", *flags, f"-I{folder}", here / f"{name}.cpp", "-o", sources[-1]], check=True)
     # Two minutes of compilation, and as many pages of warnings.
-    sources = [here / "regressor.cpp", here / "batches.hpp"]
-    if not native.exists() or native.stat().st_mtime < max(source.stat().st_mtime for source in sources):
-        subprocess.run(["g++", "-w", *flags, *limits, f"-I{prefix}", f"-I{prefix}/eigen3", sources[0], "-o", native], check=True)
-    return native, code
+    texts = [here / "regressor.cpp", here / "batches.hpp"]
+    if not native.exists() or native.stat().st_mtime < max(text.stat().st_mtime for text in texts):
+        subprocess.run(["g++", "-w", *flags, *limits, f"-I{prefix}", f"-I{prefix}/eigen3", texts[0], "-o", native], check=True)
+    return native, *sources
 
 
-def evaluations(programs, native, code, quiet, turns):
+def evaluations(programs, native, code, exported_code, quiet, turns):
     """One evaluation of regressor and dynamics, ns."""
-    armid, peer, casadi_code = Program([programs["dynamics"]], quiet), Program([native], quiet), Program([code], quiet)
+    programs = [programs["dynamics"], native, code, exported_code]
+    armid, peer, casadi_code, exported = (Program([program], quiet) for program in programs)
     library = library_regressor()
     found = {"library regressor": float("inf")}
 
     def from_python():
         found["library regressor"] = min(found["library regressor"], library())
 
-    in_turn(turns, armid, peer, casadi_code, from_python)
+    in_turn(turns, armid, peer, casadi_code, exported, from_python)
     for name, line in {"regressor": "regressor, rigid", "stack": "stack, rigid, per sample",
                        "lanes": "stack in parts, base of rigid, per sample",
                        "place": "stack in one place, base of rigid, per sample", "rnea": "inverse dynamics, links alone",
@@ -97,6 +102,8 @@ def evaluations(programs, native, code, quiet, turns):
     for name in ("regressor", "RNEA", "ABA"):
         found[f"native {name.lower()}"] = peer.least(f"Pinocchio, {name}{NS}")
         found[f"casadi {name.lower()}"] = casadi_code.least(f"CasADi, {name}{NS}")
+    for name in ("regressor", "RNEA", "forward dynamics"):
+        found[f"exported {name.lower()}"] = exported.least(f"exported, {name}{NS}")
     return found
 
 
@@ -204,7 +211,7 @@ def main():
     with tempfile.TemporaryDirectory() if arguments.folder is None else contextlib.nullcontext(arguments.folder) as folder:
         Path(folder).mkdir(exist_ok=True)
         if "evaluations" in only:
-            found |= evaluations(programs, *compiled(folder), quiet, turns)
+            found |= evaluations(programs, *compiled(programs, folder), quiet, turns)
         if "simulation" in only:
             found |= simulation(programs, quiet, turns)
         if "fits" in only:

@@ -137,7 +137,10 @@ fn source_code_has_the_torque_of_the_base_parameters_as_estimated() {
         assert_eq!(done["base"], serde_json::json!(bare(&found["base"])));
         let text = std::fs::read_to_string(&out).unwrap();
         assert!(
-            text.contains(wanted) && text.contains("  waist (rad)") && text.contains("Iyy1 = "),
+            text.contains(wanted)
+                && text.contains("forward_dynamics(")
+                && text.contains("  waist (rad)")
+                && text.contains("Iyy1 = "),
             "{}",
             &text[..3000]
         );

@@ -4,6 +4,7 @@ that it exports, compiled, against Pinocchio."""
 import ctypes
 import json
 import os
+import re
 import subprocess
 import tempfile
 import unittest
@@ -16,6 +17,7 @@ import pinocchio as pin
 ARMID = Path(os.environ["ARMID"]).resolve()
 EXPERIMENT = 'robot = "crs-a460"\ntrajectory = "table-one"\nperiods = 2\nseed = 4\n'
 STATES = 50
+SOURCE_FUNCTIONS = ("inverse_dynamics", "gravity", "mass_matrix", "forward_dynamics", "regressor")
 
 
 def armid(*arguments):
@@ -115,7 +117,8 @@ class Exchange(unittest.TestCase):
             function(*[(ctypes.c_double * 6)(*x) for x in inputs], out)
             return np.array(out)
 
-        inverse_dynamics, gravity, mass_matrix = names
+        inverse_dynamics, gravity, mass_matrix, forward_dynamics, regressor = names
+        beta = np.array([parameter["value"] for parameter in json.loads((self.folder / "exported.json").read_text())["base"]])
         model = pin.buildModelFromUrdf(str(self.folder / "arm.urdf"))
         data = model.createData()
         rotor, viscous, coulomb, offset = (
@@ -133,22 +136,24 @@ class Exchange(unittest.TestCase):
                 (call(inverse_dynamics, 6, q, v, a), torque),
                 (call(gravity, 6, q), weight),
                 (call(mass_matrix, 36, q).reshape(6, 6), mass),
+                (call(regressor, 6 * len(beta), q, v, a).reshape(6, -1) @ beta, torque),
             ]:
                 np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * size)
+            np.testing.assert_allclose(call(forward_dynamics, 6, q, v, torque), a, rtol=0, atol=1e-8 * np.abs(self.a).max())
 
-    def test_pinocchio_has_the_torque_weight_and_mass_matrix_of_the_c_source(self):
+    def test_pinocchio_has_the_dynamics_of_the_c_source(self):
         source, library = self.folder / "arm.c", self.folder / "arm_c.so"
         armid("export", self.base_parameters_of_the_export(), "--to", "c", "-o", str(source))
         subprocess.run(["cc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-O2", "-shared", "-fPIC", source, "-o", library,
                         "-lm"], check=True)
-        names = ("armid_inverse_dynamics", "armid_gravity", "armid_mass_matrix")
-        self.source_agrees(ctypes.CDLL(str(library)), names)
+        self.source_agrees(ctypes.CDLL(str(library)), [f"armid_{name}" for name in SOURCE_FUNCTIONS])
 
-    def test_pinocchio_has_the_torque_weight_and_mass_matrix_of_the_rust_source(self):
+    def test_pinocchio_has_the_dynamics_of_the_rust_source(self):
         source, library = self.folder / "arm.rs", self.folder / "arm_rust.so"
         armid("export", self.base_parameters_of_the_export(), "--to", "rust", "-o", str(source))
         text = source.read_text(encoding="utf-8")
-        for name, inputs, size in [("inverse_dynamics", 3, 6), ("gravity", 1, 6), ("mass_matrix", 1, 36)]:
+        base = re.search(r"BASE_PARAMETERS: \[f64; (\d+)\]", text)[1]
+        for name, inputs, size in zip(SOURCE_FUNCTIONS, (3, 1, 1, 3, 3), (6, 6, 36, 6, f"6 * {base}")):
             arguments = ", ".join(f"x{k}: &[f64; 6]" for k in range(inputs))
             passed = ", ".join(f"x{k}" for k in range(inputs))
             text += (f"#[no_mangle]\npub extern \"C\" fn c_{name}({arguments}, out: &mut [f64; {size}]) "
@@ -156,7 +161,7 @@ class Exchange(unittest.TestCase):
         source.write_text(text, encoding="utf-8")
         subprocess.run(["rustc", "--edition", "2021", "-D", "warnings", "-O", "--crate-type", "cdylib", source, "-o", library],
                        check=True)
-        self.source_agrees(ctypes.CDLL(str(library)), ("c_inverse_dynamics", "c_gravity", "c_mass_matrix"))
+        self.source_agrees(ctypes.CDLL(str(library)), [f"c_{name}" for name in SOURCE_FUNCTIONS])
 
 
 if __name__ == "__main__":

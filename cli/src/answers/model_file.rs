@@ -83,7 +83,11 @@ fn snapping_text(Snapping { joints, largest_angle_rad, torque, .. }: &Snapping) 
 
 pub(crate) fn source_text(source: &SourceFile) -> String {
     let mut text = format!("{}: inverse dynamics of {} operations", source.robot, source.operations);
-    let _ = writeln!(text, " in {} base parameters, gravity torque, mass matrix", source.base.len());
+    let _ = writeln!(text, " in {} base parameters; gravity torque, mass matrix, regressor", source.base.len());
+    text += match source.forward_dynamics {
+        true => "and forward dynamics, where the mass matrix has an inverse\n",
+        false => "no forward dynamics: friction depends on the load\n",
+    };
     let _ = writeln!(
         text,
         "its torque is that of the regressor to {} of the largest, over {} random states",

@@ -23,7 +23,7 @@ exit status is 1 and the missing term is named.
 
   urdf, mjcf    a URDF or MJCF robot keeps its meshes, comments and formatting
   toml, json    all terms of the model
-  c, rust       inverse dynamics, gravity and mass matrix in base parameters
+  c, rust       inverse and forward dynamics, gravity, mass matrix and regressor in base parameters
   isaac         actuators of Isaac Lab, beside the MJCF of the same estimate
   python        an MJCF, and a class that applies the identified friction
 

@@ -10,31 +10,45 @@ pub(super) type Id = usize;
 pub(super) enum Expression {
     /// A number, by its bits.
     Number(u64),
-    /// Of a joint: q, q̇, q̈.
+    /// Of a joint: q, q̇, q̈, τ.
     Position(usize),
     Velocity(usize),
     Acceleration(usize),
+    Effort(usize),
     Sine(usize),
     Cosine(usize),
     /// The smooth sign of an expression with a velocity scale, by its bits.
     SmoothSign(Id, u64),
     Negative(Id),
     Magnitude(Id),
+    Reciprocal(Id),
     Sum(Id, Id),
     Difference(Id, Id),
     Product(Id, Id),
 }
 
 impl Expression {
+    /// The coordinate that it reads: its name and its joint.
+    pub(super) const fn coordinate(self) -> Option<(&'static str, usize)> {
+        match self {
+            Self::Position(i) | Self::Sine(i) | Self::Cosine(i) => Some(("q", i)),
+            Self::Velocity(i) => Some(("qd", i)),
+            Self::Acceleration(i) => Some(("qdd", i)),
+            Self::Effort(i) => Some(("tau", i)),
+            _ => None,
+        }
+    }
+
     /// The expressions that it is made from.
     pub(super) fn operands(self) -> impl Iterator<Item = Id> {
         let two = match self {
-            Self::SmoothSign(a, _) | Self::Negative(a) | Self::Magnitude(a) => [Some(a), None],
+            Self::SmoothSign(a, _) | Self::Negative(a) | Self::Magnitude(a) | Self::Reciprocal(a) => [Some(a), None],
             Self::Sum(a, b) | Self::Difference(a, b) | Self::Product(a, b) => [Some(a), Some(b)],
             Self::Number(_)
             | Self::Position(_)
             | Self::Velocity(_)
             | Self::Acceleration(_)
+            | Self::Effort(_)
             | Self::Sine(_)
             | Self::Cosine(_) => [None, None],
         };
@@ -136,6 +150,13 @@ impl Expressions {
             (Some(x), _) => self.number(x.abs()),
             (None, Expression::Negative(b)) => self.magnitude(b),
             _ => self.intern(Expression::Magnitude(a)),
+        }
+    }
+
+    pub(super) fn reciprocal(&mut self, a: Id) -> Id {
+        match self.known(a) {
+            Some(x) if x != 0.0 => self.number(1.0 / x),
+            _ => self.intern(Expression::Reciprocal(a)),
         }
     }
 

@@ -14,7 +14,9 @@
 mod base_model;
 mod error;
 mod expression;
+mod forward;
 mod language;
+mod recursion;
 mod vector;
 
 pub use base_model::BaseModel;

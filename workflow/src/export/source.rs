@@ -36,6 +36,8 @@ pub struct SourceFile {
     pub operations: usize,
     /// The base parameters.
     pub base: Vec<BaseEstimate>,
+    /// Whether the file has accelerations too: not where friction depends on the load.
+    pub forward_dynamics: bool,
     /// The operations against the regressor.
     pub reload: Recomputed,
     /// Joints whose constant offset the gravity torque has: no motion tells them apart.
@@ -87,6 +89,7 @@ pub fn export_source(
         file,
         text: model.source(language, &header(estimate, robot)),
         operations: model.operations(),
+        forward_dynamics: model.has_forward_dynamics(),
         base: estimate.base.clone(),
         reload: Recomputed { states: STATES, largest_relative_difference: difference(&model, estimate, &base, robot) },
         offset_in_gravity: model.offset_in_weight.iter().map(of).collect(),
