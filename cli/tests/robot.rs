@@ -2,7 +2,11 @@
 
 mod support;
 
-use support::{armid, json, stderr, stdout, temporary};
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use support::{armid, json, program, stderr, stdout, temporary};
 
 #[test]
 fn no_command_and_an_unknown_one_are_usage_errors() {
@@ -141,4 +145,25 @@ fn a_reader_that_goes_away_is_no_fault() {
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success(), "{output:?}");
     assert!(output.stderr.is_empty(), "{output:?}");
+}
+
+#[test]
+fn a_controller_whose_middleware_has_ended_says_so() {
+    // A process that is stopped and continued: RustDDS 0.15.1 takes the interrupted wait for the end.
+    let arguments = ["controller", "planar-2r", "--domain", "231", "--rate", "10", "--duration", "60", "--quiet"];
+    let mut controller = Command::new(program()).args(arguments).stderr(Stdio::piped()).spawn().unwrap();
+    let id = controller.id().to_string();
+    for _ in 0..5 {
+        sleep(Duration::from_millis(500));
+        for signal in ["-STOP", "-CONT"] {
+            assert!(Command::new("kill").args([signal, &id]).status().unwrap().success());
+            sleep(Duration::from_millis(200));
+        }
+        if controller.try_wait().unwrap().is_some() {
+            break;
+        }
+    }
+    let done = controller.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&done.stderr);
+    assert!(!done.status.success() && said.contains("a thread of the middleware has ended"), "{done:?}");
 }

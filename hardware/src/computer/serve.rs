@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
+use std::sync::mpsc::TryRecvError;
 use std::time::Duration;
 
 use armid::experiment::{Plant, PlantError};
@@ -63,7 +64,7 @@ const FAREWELL: Duration = Duration::from_millis(50);
 /// Serves until `go_on` says no or the time is over. `go_on` receives how it goes ten times a second.
 ///
 /// # Errors
-/// [`ServeError`] where the network or the log cannot be opened, or the plant fails.
+/// [`ServeError`] where the network or the log cannot be opened, the plant fails, or a thread of the middleware ends.
 pub fn serve<P: Plant>(
     controller: &mut RobotController<P>,
     options: &ServeOptions,
@@ -82,7 +83,12 @@ pub fn serve<P: Plant>(
     let (mut goals, mut lost): (VecDeque<(f64, Order)>, bool) = (VecDeque::new(), false);
     loop {
         let mut due = Vec::new();
-        for order in wire.orders.try_iter() {
+        loop {
+            let order = match wire.orders.try_recv() {
+                Ok(order) => order,
+                Err(TryRecvError::Empty) => break,
+                Err(TryRecvError::Disconnected) => return Err(LinkError::Thread.into()),
+            };
             orders += 1;
             let is_goal = matches!(order, Order::Goal(..));
             let lost_s = controller.size_of(FaultKind::LostGoal).filter(|_| is_goal && !lost);

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ros2_client::action::{
     ActionServer, ActionServerQosPolicies, GetResultResponse, GoalId, GoalInfo, GoalStatusEnum, SendGoalResponse,
@@ -45,10 +45,12 @@ pub(crate) enum Event {
 
 /// How long the thread sleeps when there is nothing to say, at most.
 const NAP: Duration = Duration::from_millis(1);
+/// Time between two looks at whether the middleware still works.
+const LOOK_EVERY: Duration = Duration::from_millis(100);
 
 type Server = ActionServer<FollowGoal, FollowResult, FollowFeedback>;
 
-/// The other end of the thread.
+/// The other end of the thread; its orders end where the middleware has.
 pub(crate) struct Wire {
     pub(crate) orders: Receiver<Order>,
     pub(crate) events: Sender<Event>,
@@ -101,7 +103,7 @@ impl Wire {
         let (orders_in, orders) = channel();
         let (events, events_out) = channel();
         let mut thread = Thread {
-            _endpoint: endpoint,
+            endpoint,
             map,
             limits,
             server,
@@ -135,7 +137,7 @@ struct Goal {
 
 struct Thread {
     /// Keeps the node on the network.
-    _endpoint: Endpoint,
+    endpoint: Endpoint,
     map: JointMap,
     limits: Vec<JointLimits>,
     server: Server,
@@ -155,9 +157,16 @@ struct Thread {
 }
 
 impl Thread {
-    /// Runs until the controller has ended. What cannot be sent is lost, as on any network: who misses it will trip.
+    /// Runs until the controller or the middleware has ended. What cannot be sent is lost, as on any network: who misses it will trip.
     fn run(&mut self, events: &Receiver<Event>) {
+        let mut looked = Instant::now();
         loop {
+            if looked.elapsed() > LOOK_EVERY {
+                looked = Instant::now();
+                if !self.endpoint.is_alive() {
+                    return;
+                }
+            }
             match events.recv_timeout(NAP) {
                 Ok(first) => {
                     self.publish(first);
