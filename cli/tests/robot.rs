@@ -135,7 +135,7 @@ fn completions_are_made_for_each_shell() {
 #[test]
 fn a_reader_that_goes_away_is_no_fault() {
     use std::process::{Command, Stdio};
-    let mut child = Command::new(support::program())
+    let mut child = Command::new(program())
         .args(["completions", "zsh"])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
