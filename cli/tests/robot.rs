@@ -134,7 +134,6 @@ fn completions_are_made_for_each_shell() {
 #[cfg(unix)]
 #[test]
 fn a_reader_that_goes_away_is_no_fault() {
-    use std::process::{Command, Stdio};
     let mut child = Command::new(program())
         .args(["completions", "zsh"])
         .stdout(Stdio::piped())
