@@ -6,7 +6,8 @@
 //! The base parameters are put in the places of the parameters that stand for them, all others are zero, and the
 //! Newton–Euler recursion is written down with them. What is multiplied by zero is never written, what occurs twice is
 //! computed once, and constants are multiplied out, so the code has the operations that the base parameters need and no
-//! others. [`BaseModel`] holds the operations; [`Language`] says how they are written.
+//! others. A column of the regressor is the torque of a unit of its parameter, by the axes in the frame of its link. Accelerations
+//! follow from the mass matrix. [`BaseModel`] holds the operations; [`Language`] says how they are written.
 //!
 //! Reference: W. Khalil, J.-F. Kleinfinger, "Minimum operations and minimum parameters of the dynamic models of tree structure
 //! robots", IEEE J. Robotics and Automation 3(6), 1987, for the recursion with base parameters.

@@ -1,4 +1,9 @@
-//! The Newton–Euler recursion, operation by operation.
+//! The Newton–Euler recursion, operation by operation: the torque of a motion, and its columns by parameters.
+//!
+//! ```text
+//! τ_i = s_iᵀ Σ_{k ≥ i} f_k        f_k = K_k φ_k, from outside in        column of a parameter of link k:  s_iᵀ K_k e, i ≤ k
+//! ```
+//! s_i is the axis of joint i and f_k the wrench on link k, both in the frame of one link (SI).
 
 use super::expression::{Expression, Expressions, Id};
 use super::vector::Triple;
@@ -62,7 +67,8 @@ impl Recursion<'_> {
         tau
     }
 
-    /// Columns of the regressor (n each) of parameters: torque of a unit of each, others zero, friction of the load that of `load` (n).
+    /// Columns of the regressor (n each) of parameters: the torque of a unit of each, others zero. Friction of the load is that of
+    /// the torque `load` (n).
     pub(super) fn columns(&mut self, ids: &[ParameterId], qd: &[Id], qdd: &[Id], load: &[Id]) -> Vec<Vec<Id>> {
         let motions = self.motions(qd, qdd, true);
         let zero = self.expressions.number(0.0);
