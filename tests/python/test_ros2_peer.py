@@ -11,7 +11,9 @@ from robot_peer import RATE_HZ, Peer
 
 ARMID = Path(os.environ["ARMID"]).resolve()
 SPEED = "10%"
+SETTLE_S, RAMP_S, PERIODS = 0.5, 1.0, 4
 # Ten times slower it lasts 4 s a period; every joint moves, none alike.
+PERIOD_S = 4.0
 TRAJECTORY = """period_s = 0.4
 harmonics = 3
 """
@@ -27,10 +29,10 @@ JOINTS = [
 EXPERIMENT = f"""robot = "crs-a460"
 trajectory = "T.toml"
 rate_hz = {RATE_HZ}
-settle_s = 0.5
-ramp_s = 1.0
+settle_s = {SETTLE_S}
+ramp_s = {RAMP_S}
 discarded_periods = 0
-periods = 4
+periods = {PERIODS}
 seed = 5
 
 # A machine that builds and tests at the same time stands still now and then; nothing is measured by the clock here.
@@ -53,6 +55,14 @@ def armid(*arguments):
     return json.loads(done.stdout)
 
 
+def left_out(missing, skipped, samples):
+    """Whether the missing samples are the skipped cycles within some window of as many cycles as there are samples."""
+    if not missing:
+        return True
+    windows = [range(cycle - missing[0], cycle - missing[0] + samples) for cycle in skipped]
+    return any([cycle - window.start for cycle in skipped if cycle in window] == missing for window in windows)
+
+
 class Experiment(unittest.TestCase):
     def setUp(self):
         scratch = tempfile.TemporaryDirectory()
@@ -67,27 +77,40 @@ class Experiment(unittest.TestCase):
 
     def test_no_sample_is_lost_and_the_estimate_is_that_of_the_simulated_arm(self):
         real, simulated = self.folder / "real.mcap", self.folder / "simulated.mcap"
+        run = [str(self.experiment), "--speed", SPEED]
         peer = Peer(self.domain, [0.0] * 6)
         try:
-            run = [str(self.experiment), "--speed", SPEED]
-            done = armid("run", *run, "--arm", "ros2", "--yes-the-estop-works", "-o", str(real))
+            # Again, twice at most, where no period is whole since the machine held the controller back.
+            for _ in range(3):
+                peer.received, peer.skipped = [], []
+                real.unlink(missing_ok=True)
+                done = armid("run", *run, "--arm", "ros2", "--yes-the-estop-works", "-o", str(real))
+                self.is_whole(done, peer)
+                first, period = round(RATE_HZ * (SETTLE_S + RAMP_S)), round(RATE_HZ * PERIOD_S)
+                if len({(sample - first) // period for sample in done["stamps"]["missing"]} & set(range(PERIODS))) < PERIODS:
+                    break
         finally:
             peer.close()
-        self.assertEqual(done["ending"], "completed")
-        # Every state that was sent between the first and the last one arrived, and every sample is one of them.
-        stamps = done["stamps"]
-        for what in ("lost", "gaps", "duplicates", "reordered", "clock_jumps"):
-            self.assertEqual(stamps[what], 0, stamps)
-        self.assertEqual((stamps["missing"], done["samples"]), ([], round(RATE_HZ * (0.5 + 1.0 + 4 * 4.0 + 1.0))))
-        # An approach of a second and 19 s of the experiment, in pieces of half a second at most, each with its points.
-        self.assertGreater(len(peer.received), 2 * 20)
-        self.assertLess(max(peer.received), 30)
         # settle + ramp + 4 periods + ramp, ten times slower but for what is not the motion.
         armid("run", *run, "--arm", "analytic", "-o", str(simulated))
         rows = {}
         for name, path in (("real", real), ("simulated", simulated)):
             rows[name] = armid("identify", str(path))
         self.compare(rows["real"], rows["simulated"])
+
+    def is_whole(self, done, peer):
+        """Every state that was sent between the first and the last one arrived, and every sample is one of them. A controller
+        that the machine held back for 20 ms left cycles out: these are missing, and no others."""
+        self.assertEqual(done["ending"], "completed")
+        stamps = done["stamps"]
+        for what in ("duplicates", "reordered", "clock_jumps"):
+            self.assertEqual(stamps[what], 0, stamps)
+        self.assertEqual(done["samples"], round(RATE_HZ * (SETTLE_S + RAMP_S + PERIODS * PERIOD_S + RAMP_S)))
+        self.assertTrue(left_out(stamps["missing"], peer.skipped, done["samples"]), (stamps, peer.skipped))
+        self.assertTrue(len(stamps["missing"]) <= stamps["lost"] <= len(peer.skipped), (stamps, peer.skipped))
+        # An approach of a second and 19 s of the experiment, in pieces of half a second at most, each with its points.
+        self.assertGreater(len(peer.received), 2 * 20)
+        self.assertLess(max(peer.received), 30)
 
     def compare(self, real, simulated):
         """Both estimate the same arm: differences are noise. 58 parameters; four deviations are exceeded by one in
