@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::link_step::{LinkStep, QuarterTurns, RightStep, Shift};
 use crate::lanes::{Lane, sin_cos};
 use crate::model::{Joint, JointKind};
 use crate::spatial::{LanePlacement, Placement};
@@ -19,6 +20,8 @@ pub struct LinkPose {
     constant: [f64; 12],
     first: [f64; 12],
     second: [f64; 12],
+    /// Where all angles but the joint's own are right.
+    right: Option<(QuarterTurns, Shift)>,
 }
 
 impl LinkPose {
@@ -40,18 +43,22 @@ impl LinkPose {
             let rotation = before.rotation * turn;
             numbers(&(rotation * after.rotation), &(rotation * after.translation + shift))
         };
-        Self {
-            kind: joint.kind,
-            constant: part(&stays, before.translation),
-            first: part(&along_x, before.rotation * slide),
-            second: part(&along_y, Vector3::zeros()),
-        }
+        let parts = [
+            part(&stays, before.translation),
+            part(&along_x, before.rotation * slide),
+            part(&along_y, Vector3::zeros()),
+        ];
+        let [constant, first, second] = parts;
+        let [stays, along_x, along_y] = parts.map(|part| Matrix3::from_column_slice(&part[..9]));
+        let right = QuarterTurns::of(&stays, &along_x, &along_y)
+            .map(|turns| (turns, Shift::of(parts.map(|part| [part[9], part[10], part[11]]))));
+        Self { kind: joint.kind, constant, first, second, right }
     }
 
     /// The pose at coordinate `q`, rad or m.
     #[inline]
     pub fn placement(&self, q: f64) -> Placement {
-        let LanePlacement { axes: [x, y, z], origin } = self.in_lanes(self.turn(q));
+        let LanePlacement { axes: [x, y, z], origin } = self.in_full(self.turn(q));
         Placement {
             rotation: Matrix3::new(x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]),
             translation: origin.into(),
@@ -81,7 +88,20 @@ impl LinkPose {
 
     /// The poses of several samples, from `[x, y]`.
     #[inline(always)]
-    pub(crate) fn in_lanes<V: Lane>(&self, [x, y]: [V; 2]) -> LanePlacement<V> {
+    pub(crate) fn in_lanes<V: Lane>(&self, [x, y]: [V; 2]) -> LinkStep<V> {
+        match self.right {
+            Some((turns, shift)) => {
+                let (cosine, sine) = turns.turn(x, y);
+                let zero = [x.splat(0.0); 3];
+                let origin = if shift == Shift::Nowhere { zero } else { self.three(9, x, y) };
+                LinkStep::Right(RightStep { turns, shift, cosine, sine, origin })
+            }
+            None => LinkStep::Any(self.in_full([x, y])),
+        }
+    }
+
+    #[inline(always)]
+    fn in_full<V: Lane>(&self, [x, y]: [V; 2]) -> LanePlacement<V> {
         LanePlacement {
             axes: [self.three(0, x, y), self.three(3, x, y), self.three(6, x, y)],
             origin: self.three(9, x, y),
@@ -106,9 +126,37 @@ fn numbers(rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> [f64; 12] {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashMap;
+
     use super::*;
     use crate::chains;
     use crate::seed::Seed;
+    use crate::spatial::LaneMotion;
+
+    #[test]
+    fn identity_right_angles_have_the_bits_of_all_products() {
+        let mut right = HashMap::new();
+        for run in 0..100 {
+            let mut rng = Seed::new(17).stream("right angles", run);
+            let (robot, _) = chains::random_robot(&mut rng, 9);
+            for joint in robot.joints() {
+                let pose = LinkPose::new(joint);
+                if let Some(form) = pose.right {
+                    *right.entry(format!("{form:?}")).or_insert(0) += 1;
+                }
+                let (x, w, v) = chains::random_state(&mut rng, 3);
+                let motion = LaneMotion { ang: [w[0], w[1], w[2]], lin: [v[0], v[1], v[2]] };
+                let turn = pose.turn(x[0]);
+                let (mut pair, mut others) = ([motion; 2], [motion]);
+                pose.in_lanes(turn).carry(&mut pair, &mut others);
+                let expected = pose.in_full(turn).motion_to_child(&motion);
+                for found in pair.iter().chain(&others) {
+                    assert_eq!((found.ang, found.lin), (expected.ang, expected.lin), "{:?}", pose.right);
+                }
+            }
+        }
+        assert!(right.len() > 10, "{right:?}");
+    }
 
     #[test]
     fn identity_pose_is_that_of_the_joint() {

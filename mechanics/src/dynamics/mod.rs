@@ -23,6 +23,7 @@ mod joint_frames;
 #[cfg(test)]
 mod law_tests;
 mod link_pose;
+mod link_step;
 mod model;
 mod placed_term;
 mod simulable;

@@ -32,12 +32,30 @@ impl Together {
 
     /// The samples `first`, `first + step`, …, `count` of them; the last again in the places beyond.
     pub(crate) fn fill(&mut self, samples: [&[f64]; 3], first: usize, step: usize, count: usize) {
+        // The usual numbers of joints, whole and one after the other, with loops of known length.
+        match (self.q.len(), step, count) {
+            (6, 1, TOGETHER) => return self.transpose::<6>(samples, first),
+            (7, 1, TOGETHER) => return self.transpose::<7>(samples, first),
+            _ => {}
+        }
         let n = self.q.len();
         for lane in 0..TOGETHER {
             let k = first + lane.min(count - 1) * step;
             for (to, from) in [&mut self.q, &mut self.qd, &mut self.qdd].into_iter().zip(samples) {
                 for (to, &from) in to.iter_mut().zip(&from[k * n..(k + 1) * n]) {
                     to[lane] = from;
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn transpose<const N: usize>(&mut self, samples: [&[f64]; 3], first: usize) {
+        for (to, from) in [&mut self.q, &mut self.qd, &mut self.qdd].into_iter().zip(samples) {
+            let from = from.as_chunks::<N>().0[first..].first_chunk::<TOGETHER>().expect("as many samples");
+            for (j, to) in to.iter_mut().enumerate().take(N) {
+                for lane in 0..TOGETHER {
+                    to[lane] = from[lane][j];
                 }
             }
         }

@@ -4,10 +4,24 @@ use pulp::Simd;
 
 use super::body::BodyRegressor;
 use super::joint_torque::JointTorqueRegressor;
+use super::straight_axis::{Along, StraightAxis, Y, Z};
 use crate::dynamics::{TOGETHER, Together};
 use crate::lanes::Wide;
 use crate::linalg::column_products::Line;
-use crate::spatial::LaneMotion;
+use crate::spatial::{LaneMotion, Motion};
+
+/// The same for each of the ten columns of a link, one by one, so that each is compiled for its column.
+macro_rules! entries {
+    (|$c:ident| $add:expr) => {
+        entries!(@ $c, $add, 0 1 2 3 4 5 6 7 8 9)
+    };
+    (@ $c:ident, $add:expr, $($number:literal)*) => {{
+        $({
+            const $c: usize = $number;
+            $add
+        })*
+    }};
+}
 
 /// Sums of the blocks that are worked on, one cell for each joint and wanted column.
 pub(super) struct Cells<'a> {
@@ -27,8 +41,24 @@ pub(super) struct Cells<'a> {
     pub(super) touched: Vec<Cell>,
     /// How many of them are in the order of columns.
     sorted: usize,
-    /// Those of terms, where they begin: no link writes there first.
-    of_terms: Vec<bool>,
+    /// Where those of terms begin, and whether a cell is one: no link writes there first.
+    of_terms: Vec<usize>,
+    is_of_terms: Vec<bool>,
+}
+
+/// What one walk along the chain writes to.
+pub(super) struct Workspace<S: Simd> {
+    turns: Vec<[Wide<S>; 2]>,
+    axes: Vec<LaneMotion<Wide<S>>>,
+}
+
+impl<S: Simd> Workspace<S> {
+    /// For n joints.
+    #[inline(always)]
+    pub(super) fn new(simd: S, n: usize) -> Self {
+        let zero = Wide::new(simd, simd.splat_f64s(0.0));
+        Self { turns: vec![[zero; 2]; n], axes: vec![LaneMotion::splat(zero, &Motion::zero()); n] }
+    }
 }
 
 /// Where something is added.
@@ -78,67 +108,77 @@ impl<'a> Cells<'a> {
             let cell = |joint: usize| Cell { place, joint, index: joint * strides[0] + place * strides[1] };
             touched.extend((0..loaded).map(cell));
         }
-        let (sums, of_terms) = (vec![Line::ZERO; lines], vec![false; lines]);
-        Self { regressor, columns, links, terms, strides, line: 0, sums, touched, sorted: 0, of_terms }
+        let (sums, is_of_terms) = (vec![Line::ZERO; lines], vec![false; lines]);
+        let (of_terms, line, sorted) = (Vec::new(), 0, 0);
+        Self { regressor, columns, links, terms, strides, line, sums, touched, sorted, of_terms, is_of_terms }
     }
 
     /// Adds one sample of each block; the `FIRST` of them takes the place of what was there.
     #[inline(always)]
-    pub(super) fn add<S: Simd, const FIRST: bool>(
-        &mut self,
-        simd: S,
-        state: &Together,
-        axes: &mut [LaneMotion<Wide<S>>],
-    ) {
+    pub(super) fn add<S: Simd, const FIRST: bool>(&mut self, simd: S, state: &Together, work: &mut Workspace<S>) {
         if !self.regressor.links.is_empty() {
             return self.add_alone::<FIRST>(state);
         }
-        let Self { regressor, links, terms, strides: [of_joint, of_column], line, sums, touched, of_terms, .. } = self;
-        let (of_joint, of_column) = (*of_joint, *of_column);
+        let Self { regressor, links, terms, strides, line, sums, touched, of_terms, is_of_terms, .. } = self;
+        let [of_joint, of_column] = *strides;
         let sums = &mut sums[*line..];
         let (v, a) = regressor.base_at_rest();
         let one = Wide::new(simd, simd.splat_f64s(0.0));
         let n = regressor.rows();
         for vector in 0..TOGETHER / S::F64_LANES {
             let at = |x: &[[f64; TOGETHER]], k: usize| Wide::new(simd, S::as_simd_f64s(&x[k]).0[vector]);
+            // Those of all joints first: their long chains of operations overlap.
+            for (k, (turn, pose)) in work.turns.iter_mut().zip(&regressor.poses).enumerate() {
+                *turn = pose.turn(at(&state.q, k));
+            }
+            let turns = &work.turns;
             regressor.walk(
                 LaneMotion::splat(one, &v),
                 LaneMotion::splat(one, &a),
                 #[inline(always)]
-                |k| (regressor.poses[k].turn(at(&state.q, k)), [at(&state.qd, k), at(&state.qdd, k)]),
+                |k| (turns[k], [at(&state.qd, k), at(&state.qdd, k)]),
                 0..n,
-                axes,
+                &mut work.axes,
                 #[inline(always)]
                 |k, body, axes| {
                     let places = &links[k];
-                    for (joint, axis) in axes[..=k].iter().enumerate() {
+                    let others = match &regressor.straight[k] {
+                        Some(own) => {
+                            let sums = &mut sums[k * of_joint..];
+                            match own.along {
+                                Along::Y => add_own::<S, FIRST, Y>(simd, sums, places, body, own, vector),
+                                Along::Z => add_own::<S, FIRST, Z>(simd, sums, places, body, own, vector),
+                            }
+                            &axes[..k]
+                        }
+                        None => &axes[..=k],
+                    };
+                    for (joint, axis) in others.iter().enumerate() {
                         let sums = &mut sums[joint * of_joint..];
-                        // One by one, so that each entry is compiled for its column.
-                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 0, vector);
-                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 1, vector);
-                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 2, vector);
-                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 3, vector);
-                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 4, vector);
-                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 5, vector);
-                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 6, vector);
-                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 7, vector);
-                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 8, vector);
-                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 9, vector);
+                        entries!(|C| add::<S, FIRST>(
+                            simd,
+                            sums,
+                            places[C],
+                            vector,
+                            #[inline(always)]
+                            || body.entry(axis, C)
+                        ));
                     }
                 },
             );
         }
         if FIRST {
-            for cell in touched.iter().filter(|cell| of_terms[cell.index]) {
-                sums[cell.index] = Line::ZERO;
+            for &index in &*of_terms {
+                sums[index] = Line::ZERO;
             }
         }
         let flat = [&state.q, &state.qd, &state.qdd].map(|x| x.as_flattened());
         regressor.terms.each_column(flat, |joint, column, d, g: &[f64; TOGETHER]| {
             if let Some(place) = terms[column] {
                 let index = joint * of_joint + place * of_column;
-                if !of_terms[index] {
-                    of_terms[index] = true;
+                if !is_of_terms[index] {
+                    is_of_terms[index] = true;
+                    of_terms.push(index);
                     touched.push(Cell { place, joint, index });
                 }
                 for (sum, g) in sums[index].0.iter_mut().zip(g) {
@@ -244,20 +284,38 @@ impl Cells<'_> {
     }
 }
 
-/// Adds entry `c` of `sᵀ K` to its place (or `FIRST` puts it there) among the sums of the joint with the axis `s`, where it is wanted.
+/// Adds what the link's ten columns have along its own joint's axis.
 #[inline(always)]
-fn add_entry<S: Simd, const FIRST: bool>(
+fn add_own<S: Simd, const FIRST: bool, const M: usize>(
     simd: S,
     sums: &mut [Line],
     places: &[usize; 10],
     body: &BodyRegressor<Wide<S>>,
-    axis: &LaneMotion<Wide<S>>,
-    c: usize,
+    own: &StraightAxis,
     vector: usize,
 ) {
-    if let Some(sum) = sums.get_mut(places[c]) {
+    entries!(|C| add::<S, FIRST>(
+        simd,
+        sums,
+        places[C],
+        vector,
+        #[inline(always)]
+        || own.entry::<_, M>(body, C)
+    ));
+}
+
+/// Adds an entry at its place (or `FIRST` puts it there), where it is wanted.
+#[inline(always)]
+fn add<S: Simd, const FIRST: bool>(
+    simd: S,
+    sums: &mut [Line],
+    place: usize,
+    vector: usize,
+    entry: impl FnOnce() -> Wide<S>,
+) {
+    if let Some(sum) = sums.get_mut(place) {
         let sum = &mut S::as_mut_simd_f64s(&mut sum.0).0[vector];
-        let entry = body.entry(axis, c).x;
+        let entry = entry().x;
         *sum = if FIRST { entry } else { simd.add_f64s(*sum, entry) };
     }
 }

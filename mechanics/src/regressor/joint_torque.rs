@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::body::BodyRegressor;
+use super::straight_axis::StraightAxis;
 use crate::dynamics::{LinkPose, TermState, TorqueTerms};
 use crate::lanes::{Lane, sines_and_cosines};
 use crate::model::{Columns, ColumnsError, ParameterId, Robot, StandardParameters};
@@ -40,6 +41,8 @@ const INLINE_JOINTS: usize = 8;
 pub struct JointTorqueRegressor {
     pub(super) poses: Vec<LinkPose>,
     pub(super) axes: Vec<Motion>,
+    /// Of each joint whose axis is a straight one.
+    pub(super) straight: Vec<Option<StraightAxis>>,
     gravity: Vector3<f64>,
     pub(super) terms: TorqueTerms,
     /// The links' parameters by which the torque is found that terms may depend on, 10 n; empty where none does.
@@ -77,6 +80,7 @@ impl JointTorqueRegressor {
         Self {
             poses: robot.joints().iter().map(LinkPose::new).collect(),
             axes: robot.axes().to_vec(),
+            straight: robot.axes().iter().map(StraightAxis::of).collect(),
             gravity: robot.gravity(),
             terms: TorqueTerms::new(robot, columns),
             links: Vec::new(),
@@ -205,8 +209,12 @@ impl JointTorqueRegressor {
             |k, body, axes| {
                 for (i, row) in rows.clone().zip(out[rows.start * p..].chunks_exact_mut(p)) {
                     let block = row[10 * k..].first_chunk_mut().expect("a row holds ten columns per link");
-                    // A link further in does not load joint i.
-                    *block = if i <= k { body.project(&axes[i]) } else { [0.0; 10] };
+                    *block = match &self.straight[k] {
+                        // A link further in does not load joint i.
+                        _ if i > k => [0.0; 10],
+                        Some(own) if i == k => own.project(body),
+                        _ => body.project(&axes[i]),
+                    };
                 }
             },
         );
@@ -234,12 +242,17 @@ impl JointTorqueRegressor {
         for (k, (pose, axis)) in self.poses.iter().zip(&self.axes).enumerate() {
             let (turn, [qd, qdd]) = state(k);
             let x = pose.in_lanes(turn);
-            let axis = LaneMotion::splat(qd, axis);
-            let rate = axis.times(qd);
-            v = x.motion_to_child(&v).plus(&rate);
-            a = x.motion_to_child(&a).plus(&axis.times(qdd)).plus(&v.cross(&rate));
+            (v, a) = (x.motion_to_child(&v), x.motion_to_child(&a));
             for s in &mut axes[rows.start.min(k)..rows.end.min(k)] {
                 *s = x.motion_to_child(s);
+            }
+            let axis = LaneMotion::splat(qd, axis);
+            if let Some(own) = &self.straight[k] {
+                (v, a) = own.moved((v, a), qd, qdd);
+            } else {
+                let rate = axis.times(qd);
+                v = v.plus(&rate);
+                a = a.plus(&axis.times(qdd)).plus(&v.cross(&rate));
             }
             axes[k] = axis;
             visit(k, &BodyRegressor::in_lanes(&v, &a), axes);

@@ -21,6 +21,7 @@ mod gram;
 mod joint_torque;
 mod moving_base;
 mod stack;
+mod straight_axis;
 
 pub use body::BodyRegressor;
 pub use joint_torque::JointTorqueRegressor;

@@ -9,12 +9,10 @@
 use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::cells::Cells;
+use super::cells::{Cells, Workspace};
 use super::joint_torque::JointTorqueRegressor;
 use crate::dynamics::{States, TOGETHER, Together, samples_of};
-use crate::lanes::Wide;
 use crate::linalg::column_products::Line;
-use crate::spatial::{LaneMotion, Motion};
 
 /// With more joints, all columns in the order of C come sooner sample by sample: the cells of eight samples leave the first cache.
 const MOST_JOINTS_IN_LANES: usize = 7;
@@ -168,15 +166,14 @@ impl<F: FnMut(&mut Cells<'_>, usize, usize)> WithSimd for Stack<'_, '_, F> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { cells, joints: n, samples, block, mut put } = self;
         let (blocks, mut state) = (samples_of(n, samples) / block, Together::new(n));
-        let zero = Wide::new(simd, simd.splat_f64s(0.0));
-        let mut axes = vec![LaneMotion::splat(zero, &Motion::zero()); n];
+        let mut work = Workspace::new(simd, n);
         for first in (0..blocks).step_by(TOGETHER) {
             let count = TOGETHER.min(blocks - first);
             state.fill(samples, first * block, block, count);
-            cells.add::<S, true>(simd, &state, &mut axes);
+            cells.add::<S, true>(simd, &state, &mut work);
             for k in 1..block {
                 state.fill(samples, first * block + k, block, count);
-                cells.add::<S, false>(simd, &state, &mut axes);
+                cells.add::<S, false>(simd, &state, &mut work);
             }
             cells.average(block);
             put(cells, first, count);
