@@ -9,6 +9,7 @@
 //! ```
 //! A vector then turns with 8 products and a symmetric matrix with 16, where full rotation matrices take 9 and 45
 //! (Featherstone, appendix A.4, for the same idea). Efforts and accelerations of joints do not depend on the frames.
+//! Where axes are parallel, at right angles or meet, the products that are zero are left out.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -17,16 +18,30 @@ use crate::lanes::{Lane, sines_and_cosines};
 use crate::model::{JointKind, Robot};
 use crate::spatial::{Force, Inertia, LaneForce, LaneMotion, Motion, Placement, Three, cross, sum};
 
+/// The angle between two joint axes, where it saves work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Twist {
+    /// Any angle.
+    Any,
+    /// α = 0.
+    Parallel,
+    /// α = 90°.
+    Right,
+}
+
 /// One joint in the form of the module's header.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct JointFrame {
     pub(super) revolute: bool,
     /// `θ`, rad.
     offset: f64,
+    twist: Twist,
     sin_alpha: f64,
     cos_alpha: f64,
     /// `p`, m.
     origin: Vector3<f64>,
+    /// Whether `p` is zero at every coordinate.
+    meets: bool,
 }
 
 /// Where a joint's frame stands in the one before, at some coordinate, of one sample or of several.
@@ -34,9 +49,12 @@ pub(super) struct JointFrame {
 pub(super) struct JointPose<V = f64> {
     sin: V,
     cos: V,
+    twist: Twist,
     sin_alpha: V,
     cos_alpha: V,
     origin: Three<V>,
+    /// Whether the origin is that of the frame before.
+    meets: bool,
 }
 
 /// The inertia of a link, or of several that are held together, in a joint's frame.
@@ -66,24 +84,32 @@ impl JointChain {
                 if k == 0 { before } else { robot.joints()[k - 1].after.compose(&before) }
             })
             .collect();
-        let gammas: Vec<f64> = steps.iter().map(|step| gamma(&step.rotation)).collect();
+        let gammas: Vec<Gamma> = steps.iter().map(|step| Gamma::of(&step.rotation)).collect();
         let mut joints = Vec::with_capacity(n);
         let mut bodies = Vec::with_capacity(n);
         for k in 0..n {
-            let step = turn_back(gammas[k]).compose(&steps[k]);
+            let step = gammas[k].turn_back().compose(&steps[k]);
             let r = &step.rotation;
-            let next_gamma = gammas.get(k + 1).copied().unwrap_or(0.0);
+            let next_gamma = gammas.get(k + 1).copied().unwrap_or(Gamma::ZERO);
+            let (revolute, sin_alpha, cos_alpha) =
+                (robot.joints()[k].kind == JointKind::Revolute, -r[(1, 2)], r[(2, 2)]);
             joints.push(JointFrame {
-                revolute: robot.joints()[k].kind == JointKind::Revolute,
-                offset: libm::atan2(-r[(0, 1)], r[(0, 0)]) + next_gamma,
-                sin_alpha: -r[(1, 2)],
-                cos_alpha: r[(2, 2)],
+                revolute,
+                offset: libm::atan2(-r[(0, 1)], r[(0, 0)]) + next_gamma.angle,
+                twist: match (sin_alpha, cos_alpha) {
+                    (0.0, 1.0) => Twist::Parallel,
+                    (1.0, 0.0) => Twist::Right,
+                    _ => Twist::Any,
+                },
+                sin_alpha,
+                cos_alpha,
                 origin: step.translation,
+                meets: revolute && step.translation == Vector3::zeros(),
             });
-            let link = turn_back(next_gamma).compose(&robot.joints()[k].after);
+            let link = next_gamma.turn_back().compose(&robot.joints()[k].after);
             bodies.push(Body::placed(&links[k], &link));
         }
-        Self { joints, bodies, base_acceleration: -(turn_back(gammas[0]).rotation * robot.gravity()) }
+        Self { joints, bodies, base_acceleration: -(gammas[0].turn_back().rotation * robot.gravity()) }
     }
 }
 
@@ -105,7 +131,7 @@ impl Turns {
     }
 
     /// Takes the positions `q` (n): one evaluation for as many joints as the processor has lanes.
-    #[inline]
+    #[inline(always)]
     pub(super) fn take(&mut self, joints: &[JointFrame], q: &[f64]) {
         for ((angle, joint), q) in self.angles.iter_mut().zip(joints).zip(q) {
             *angle = joint.angle(*q);
@@ -120,16 +146,32 @@ impl Turns {
     }
 }
 
-/// `γ` of `R = Rz(γ) Rx(α) Rz(θ)`; any value serves where `α` is a multiple of 180°.
-fn gamma(r: &Matrix3<f64>) -> f64 {
-    let (x, y) = (r[(0, 2)], -r[(1, 2)]);
-    if x == 0.0 && y == 0.0 { 0.0 } else { libm::atan2(x, y) }
+/// `γ` of `R = Rz(γ) Rx(α) Rz(θ)`, 0 ≤ α ≤ 180°; any value serves where `α` is a multiple of 180°.
+#[derive(Clone, Copy)]
+struct Gamma {
+    /// rad.
+    angle: f64,
+    /// Exact at right angles, as those of the rotation are.
+    sin: f64,
+    cos: f64,
 }
 
-/// `Rz(−γ)`.
-fn turn_back(gamma: f64) -> Placement {
-    let (s, c) = libm::sincos(gamma);
-    Placement::rotation_z(-s, c)
+impl Gamma {
+    const ZERO: Self = Self { angle: 0.0, sin: 0.0, cos: 1.0 };
+
+    fn of(r: &Matrix3<f64>) -> Self {
+        let (x, y) = (r[(0, 2)], -r[(1, 2)]);
+        let sin_alpha = (x * x + y * y).sqrt();
+        if sin_alpha == 0.0 {
+            return Self::ZERO;
+        }
+        Self { angle: libm::atan2(x, y), sin: x / sin_alpha, cos: y / sin_alpha }
+    }
+
+    /// `Rz(−γ)`.
+    fn turn_back(self) -> Placement {
+        Placement::rotation_z(-self.sin, self.cos)
+    }
 }
 
 impl JointFrame {
@@ -142,7 +184,7 @@ impl JointFrame {
             origin[1] = origin[1] - sin_alpha * q;
             origin[2] = origin[2] + cos_alpha * q;
         }
-        JointPose { sin, cos, sin_alpha, cos_alpha, origin }
+        JointPose { sin, cos, twist: self.twist, sin_alpha, cos_alpha, origin, meets: self.meets }
     }
 
     /// The angle about the axis at coordinate `q`.
@@ -194,7 +236,8 @@ impl<V: Lane> JointPose<V> {
     #[inline(always)]
     pub(super) fn nowhere(zero: V) -> Self {
         let one = zero.splat(1.0);
-        Self { sin: zero, cos: one, sin_alpha: zero, cos_alpha: one, origin: [zero; 3] }
+        let (twist, meets) = (Twist::Parallel, true);
+        Self { sin: zero, cos: one, twist, sin_alpha: zero, cos_alpha: one, origin: [zero; 3], meets }
     }
 
     /// Zero, for as many samples.
@@ -207,8 +250,12 @@ impl<V: Lane> JointPose<V> {
     #[inline(always)]
     fn turned_in(&self, x: &Three<V>) -> Three<V> {
         let (sa, ca, s, c) = (self.sin_alpha, self.cos_alpha, self.sin, self.cos);
-        let y = ca * x[1] + sa * x[2];
-        [c * x[0] + s * y, c * y - s * x[0], ca * x[2] - sa * x[1]]
+        let (y, z) = match self.twist {
+            Twist::Parallel => (x[1], x[2]),
+            Twist::Right => (x[2], -x[1]),
+            Twist::Any => (ca * x[1] + sa * x[2], ca * x[2] - sa * x[1]),
+        };
+        [c * x[0] + s * y, c * y - s * x[0], z]
     }
 
     /// `R x`.
@@ -216,47 +263,57 @@ impl<V: Lane> JointPose<V> {
     fn turned_out(&self, x: &Three<V>) -> Three<V> {
         let (sa, ca, s, c) = (self.sin_alpha, self.cos_alpha, self.sin, self.cos);
         let y = s * x[0] + c * x[1];
-        [c * x[0] - s * x[1], ca * y - sa * x[2], sa * y + ca * x[2]]
+        let (y, z) = match self.twist {
+            Twist::Parallel => (y, x[2]),
+            Twist::Right => (-x[2], y),
+            Twist::Any => (ca * y - sa * x[2], sa * y + ca * x[2]),
+        };
+        [c * x[0] - s * x[1], y, z]
     }
 
     #[inline(always)]
     pub(super) fn in_child(&self, m: &LaneMotion<V>) -> LaneMotion<V> {
-        let lin = sum(&m.lin, &cross(&m.ang, &self.origin));
+        let lin = if self.meets { m.lin } else { sum(&m.lin, &cross(&m.ang, &self.origin)) };
         LaneMotion { ang: self.turned_in(&m.ang), lin: self.turned_in(&lin) }
     }
 
     #[inline(always)]
     pub(super) fn in_parent(&self, f: &LaneForce<V>) -> LaneForce<V> {
-        let lin = self.turned_out(&f.lin);
-        LaneForce { ang: sum(&self.turned_out(&f.ang), &cross(&self.origin, &lin)), lin }
+        let (ang, lin) = (self.turned_out(&f.ang), self.turned_out(&f.lin));
+        LaneForce { ang: if self.meets { ang } else { sum(&ang, &cross(&self.origin, &lin)) }, lin }
     }
 }
 
 impl JointPose {
     /// `R x`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn turn_out(&self, x: &Vector3<f64>) -> Vector3<f64> {
         self.turned_out(&(*x).into()).into()
     }
 
     /// `R M Rᵀ`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn turn_symmetric(&self, m: &Symmetric3) -> Symmetric3 {
-        m.turned_about_z(self.sin, self.cos).turned_about_x(self.sin_alpha, self.cos_alpha)
+        let m = m.turned_about_z(self.sin, self.cos);
+        match self.twist {
+            Twist::Parallel => m,
+            Twist::Right => Symmetric3 { xx: m.xx, xy: -m.xz, xz: m.xy, yy: m.zz, yz: -m.yz, zz: m.yy },
+            Twist::Any => m.turned_about_x(self.sin_alpha, self.cos_alpha),
+        }
     }
 
     /// The child's origin in the parent.
-    #[inline]
+    #[inline(always)]
     pub(super) fn origin(&self) -> Vector3<f64> {
         self.origin.into()
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn motion_to_child(&self, m: &Motion) -> Motion {
         self.in_child(&m.into()).into()
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn force_to_parent(&self, f: &Force) -> Force {
         self.in_parent(&f.into()).into()
     }
@@ -276,7 +333,7 @@ impl Body {
 
     /// About the origin of a frame that stands at `−p`: `h' = h + m p`,
     /// `J' = J + (p·(h + h')) 1 − p hᵀ − h' pᵀ`.
-    #[inline]
+    #[inline(always)]
     fn moved(&self, p: &Vector3<f64>) -> Self {
         let h = &self.first_moment;
         let moved = h + p * self.mass;
@@ -297,18 +354,18 @@ impl Body {
     }
 
     /// Returns this body as seen from the parent's frame.
-    #[inline]
+    #[inline(always)]
     pub(super) fn to_parent(self, pose: &JointPose) -> Self {
-        Self {
+        let turned = Self {
             mass: self.mass,
             first_moment: pose.turn_out(&self.first_moment),
             rotational: pose.turn_symmetric(&self.rotational),
-        }
-        .moved(&pose.origin())
+        };
+        if pose.meets { turned } else { turned.moved(&pose.origin()) }
     }
 
     /// Both bodies held together.
-    #[inline]
+    #[inline(always)]
     pub(super) fn joined(&self, other: &Self) -> Self {
         Self {
             mass: self.mass + other.mass,
