@@ -247,10 +247,27 @@ impl Cells<'_> {
     #[inline(always)]
     pub(super) fn write(&self, w: &mut [f64], rows: usize, first: usize, count: usize) {
         // The usual numbers of joints with distances of known length.
-        match self.regressor.rows() {
-            6 => self.write_rows(w, 6, rows, first, count),
-            7 => self.write_rows(w, 7, rows, first, count),
-            n => self.write_rows(w, n, rows, first, count),
+        match (self.regressor.rows(), count) {
+            (6, TOGETHER) => self.write_all::<6>(w, rows, first),
+            (7, TOGETHER) => self.write_all::<7>(w, rows, first),
+            (n, _) => self.write_rows(w, n, rows, first, count),
+        }
+    }
+
+    /// [`Self::write`] of N joints and all blocks: each number once, in its order. What no state moves has stayed zero.
+    #[inline(always)]
+    fn write_all<const N: usize>(&self, w: &mut [f64], rows: usize, first: usize) {
+        let [of_joint, of_column] = self.strides;
+        for (place, column) in w.chunks_exact_mut(rows).enumerate() {
+            let mut lines = [&Line::ZERO; N];
+            for (joint, line) in lines.iter_mut().enumerate() {
+                *line = &self.sums[joint * of_joint + place * of_column];
+            }
+            for (lane, to) in column[first..].as_chunks_mut::<N>().0[..TOGETHER].iter_mut().enumerate() {
+                for joint in 0..N {
+                    to[joint] = lines[joint].0[lane];
+                }
+            }
         }
     }
 
@@ -267,17 +284,8 @@ impl Cells<'_> {
                 *last = 0.0;
             }
             while let Some(cell) = cells.next_if(|cell| cell.place == place) {
-                let (to, sums) = (&mut to[cell.joint..], &self.sums[cell.index].0);
-                if count == TOGETHER {
-                    // One look at the length for all of them.
-                    let to = &mut to[..(TOGETHER - 1) * n + 1];
-                    for lane in 0..TOGETHER {
-                        to[lane * n] = sums[lane];
-                    }
-                } else {
-                    for lane in 0..count {
-                        to[lane * n] = sums[lane];
-                    }
+                for (lane, sum) in self.sums[cell.index].0[..count].iter().enumerate() {
+                    to[cell.joint + lane * n] = *sum;
                 }
             }
         }
