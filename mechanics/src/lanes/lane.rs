@@ -31,6 +31,9 @@ pub trait Lane: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
     /// The largest of all runs.
     fn most(self) -> f64;
 
+    /// Whether no run's number is below `least`; not where one is no number.
+    fn reaches(self, least: f64) -> bool;
+
     /// `2^self` for whole numbers between −1000 and 1000.
     fn power_of_two(self) -> Self;
 
@@ -80,6 +83,11 @@ impl Lane for f64 {
     #[inline(always)]
     fn most(self) -> f64 {
         self
+    }
+
+    #[inline(always)]
+    fn reaches(self, least: f64) -> bool {
+        self >= least
     }
 
     #[inline(always)]

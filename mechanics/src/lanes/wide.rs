@@ -8,8 +8,9 @@ use super::lane::{Lane, ROUND};
 /// More lanes than any processor has.
 pub const MOST_LANES: usize = 16;
 
-/// A number of each of `S::F64_LANES` runs.
+/// A number of each of `S::F64_LANES` runs, where the widest processors read and write it at once: in one line of their caches.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub struct Wide<S: Simd> {
     simd: S,
     /// One number per lane.
@@ -71,6 +72,12 @@ impl<S: Simd> Lane for Wide<S> {
     #[inline(always)]
     fn most(self) -> f64 {
         self.simd.reduce_max_f64s(self.x)
+    }
+
+    #[inline(always)]
+    fn reaches(self, least: f64) -> bool {
+        let reach = self.simd.less_than_or_equal_f64s(self.simd.splat_f64s(least), self.x);
+        self.simd.first_true_m64s(self.simd.not_m64s(reach)) == S::F64_LANES
     }
 
     #[inline(always)]

@@ -9,6 +9,10 @@
 //! joins that one's. A change of frame then costs 8 products instead of 18. Links' inertias are given in these frames,
 //! as mass, first moment and second moments `Σ = ∫ x xᵀ dm` (upper left of the pseudo-inertia), which shift by sums
 //! of products and rotate in planes.
+//!
+//! Masses on the axis of a revolute joint move alike on both of its links. So a link's mass and its moments along the axis go to
+//! the link before, and those of the first link to the base: no joint's effort changes, and less is left to compute
+//! (W. Khalil, J.-F. Kleinfinger, IEEE J. Robotics and Automation 3, 1987, group parameters so).
 
 use armid::dynamics::TorqueTerms;
 use armid::model::{Columns, JointKind, Robot, StandardParameters};
@@ -17,10 +21,11 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::forces::Forces;
 
-/// The angle between two joint axes, where it saves work.
+/// The angle between two joint axes, where it saves work. Where it does, the link's origin has no z in the frame before: that frame
+/// may stand anywhere on its axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Twist {
-    /// Any angle.
+    /// Any angle, and joints that slide along the axis before.
     Any,
     /// Parallel: α = 0.
     Parallel,
@@ -40,6 +45,9 @@ pub(crate) struct Link {
     pub(crate) offset: f64,
     /// Origin of this link's frame (at zero coordinate) in the frame before it.
     pub(crate) origin: [f64; 3],
+    /// Whether the origin is that of the frame before, at every coordinate.
+    pub(crate) meets: bool,
+    /// Zero behind a revolute joint, as `first[2]` and the last of `second` are.
     pub(crate) mass: f64,
     pub(crate) first: [f64; 3],
     /// xx, xy, xz, yy, yz, zz.
@@ -48,11 +56,45 @@ pub(crate) struct Link {
     pub(crate) outboard: f64,
 }
 
+impl Link {
+    /// Moves the frame along its axis, m. Moments of the link follow.
+    fn slide(&mut self, along: f64) {
+        self.origin[1] -= along * self.sin;
+        self.origin[2] += along * self.cos;
+        let [x, y, z] = self.first;
+        self.second[2] -= along * x;
+        self.second[4] -= along * y;
+        self.second[5] += along * (along * self.mass - 2.0 * z);
+        self.first[2] -= along * self.mass;
+    }
+
+    /// Takes from a link behind a revolute joint what moves alike on the link before, about the origin of the frame of that one:
+    /// mass, first moment and second moments.
+    fn take_from_axis(&mut self) -> (f64, Vector3<f64>, Matrix3<f64>) {
+        let (mass, first, second) = (self.mass, self.first[2], self.second[5]);
+        (self.mass, self.first[2], self.second[5]) = (0.0, 0.0, 0.0);
+        let (axis, origin) = (Vector3::new(0.0, -self.sin, self.cos), Vector3::from(self.origin));
+        let shift = axis * origin.transpose() * first;
+        let second = axis * axis.transpose() * second + shift + shift.transpose() + origin * origin.transpose() * mass;
+        (mass, axis * first + origin * mass, second)
+    }
+
+    fn add(&mut self, (mass, first, second): (f64, Vector3<f64>, Matrix3<f64>)) {
+        self.mass += mass;
+        for j in 0..3 {
+            self.first[j] += first[j];
+        }
+        for (own, (j, k)) in self.second.iter_mut().zip([(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)]) {
+            *own += second[(j, k)];
+        }
+    }
+}
+
 /// All links, motors and torque terms of a robot with N joints.
 #[derive(Clone, Debug)]
 pub(crate) struct Chain<const N: usize> {
     pub(crate) links: [Link; N],
-    /// Upward acceleration of the base that acts like gravity, in the frame before the first link.
+    /// Upward acceleration of the base that acts like gravity, in the first link's frame before it turns.
     pub(crate) lift: [f64; 3],
     /// Inertia of the rotors.
     pub(crate) rotors: [[f64; N]; N],
@@ -99,18 +141,20 @@ impl<const N: usize> Chain<N> {
                     + shift.transpose()
                     + own.translation * own.translation.transpose() * body.mass;
                 let first = rotated + own.translation * body.mass;
+                let prismatic = joints[i].kind == JointKind::Prismatic;
                 let twist = match (*sin, *cos) {
-                    (0.0, 1.0) => Twist::Parallel,
+                    (0.0, 1.0) if !prismatic => Twist::Parallel,
                     (1.0, 0.0) => Twist::Right,
                     _ => Twist::Any,
                 };
                 Link {
-                    prismatic: joints[i].kind == JointKind::Prismatic,
+                    prismatic,
                     twist,
                     sin: *sin,
                     cos: *cos,
                     offset: beta + libm::atan2(sin_next, cos_next),
                     origin: origin.into(),
+                    meets: false,
                     mass: body.mass,
                     first: first.into(),
                     second: [
@@ -125,6 +169,19 @@ impl<const N: usize> Chain<N> {
                 }
             })
             .collect();
+        for i in (1..N).rev().filter(|&i| links[i].twist != Twist::Any).collect::<Vec<_>>() {
+            let along = std::mem::take(&mut links[i].origin[2]);
+            links[i - 1].slide(along);
+        }
+        for link in &mut links {
+            link.meets = !link.prismatic && link.origin == [0.0; 3];
+        }
+        for i in (0..N).rev().filter(|&i| joints[i].kind == JointKind::Revolute) {
+            let on_axis = links[i].take_from_axis();
+            if i > 0 {
+                links[i - 1].add(on_axis);
+            }
+        }
         let mut outboard = 0.0;
         for link in links.iter_mut().rev() {
             outboard += link.mass;
@@ -132,6 +189,8 @@ impl<const N: usize> Chain<N> {
         }
         let (sin_gamma, cos_gamma) = splits[0].1.0;
         let lift: Vector3<f64> = Placement::rotation_z(-sin_gamma, cos_gamma).rotation * -robot.gravity();
+        let (sin, cos) = splits[0].1.1;
+        let lift = Vector3::new(lift.x, cos * lift.y + sin * lift.z, cos * lift.z - sin * lift.y);
         let rotors = TorqueTerms::new(robot, Columns::RIGID_ROTOR).inertia(parameters);
         Self {
             links: std::array::from_fn(|i| links[i]),

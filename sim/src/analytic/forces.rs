@@ -111,7 +111,8 @@ impl<const N: usize> Forces<N> {
         let columns = Columns::default().with_terms_of(parameters);
         let banks = |at_motors: bool| -> Vec<Bank<N>> {
             let terms = columns.terms().filter(|term| !term.is_inertia() && term.is_motors() == at_motors);
-            terms.map(|term| Bank::new(robot, parameters, term)).collect()
+            let all = terms.map(|term| Bank::new(robot, parameters, term));
+            all.filter(|bank| bank.values.iter().any(|&value| value != 0.0)).collect()
         };
         let motors = robot.coupling().map(|c| {
             let coupling = std::array::from_fn(|i| std::array::from_fn(|j| c[(i, j)]));
@@ -120,8 +121,7 @@ impl<const N: usize> Forces<N> {
         let mut joints = banks(false);
         if motors.is_none() {
             // A motor that is not coupled is its joint.
-            let uncoupled = banks(true);
-            joints.extend(uncoupled.into_iter().filter(|bank| bank.values.iter().any(|&value| value != 0.0)));
+            joints.extend(banks(true));
         }
         Self { joints, motors }
     }

@@ -6,11 +6,13 @@
 //! Out: velocities, accelerations without q̈, and the forces they need, with `U = [ω̇]× + [ω]×²` so that a point `x` of
 //! a link accelerates by `a + U x`; a link needs `f = m a + U m c` and `n = m c × a + vee(U Σ − Σ Uᵀ)`. In: forces and
 //! composite inertias go to the frame before; the force that accelerates joint k alone travels inwards and leaves
-//! `H_jk` at every joint j. Then `H = L D Lᵀ`.
+//! `H_jk` at every joint j. What is zero for every state is left out: moments along a revolute joint's axis
+//! ([`Link`]), shifts between axes that meet, and what the base does not do.
 //!
 //! Reference: R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008, tables 5.1 and 6.2.
 
 use super::chain::{Chain, Link, Twist};
+use super::factor::Factor;
 use armid::lanes::{Lane, sines};
 
 type Three<V> = [V; 3];
@@ -26,13 +28,6 @@ struct Pose<V> {
     sin: V,
     cos: V,
     origin: Three<V>,
-}
-
-/// `H = L D Lᵀ`: `L` below the diagonal, and the reciprocals of `D`.
-#[derive(Clone, Copy)]
-pub(crate) struct Factor<const N: usize, V> {
-    lower: [[V; N]; N],
-    reciprocal: [V; N],
 }
 
 #[inline(always)]
@@ -91,8 +86,13 @@ fn inward<const TWIST: u8, V: Lane>(link: &Link, pose: &Pose<V>, v: Three<V>) ->
 /// A force `(n, f)` about the link's origin, about the origin of the frame before and in its axes.
 #[inline(always)]
 fn carry<const TWIST: u8, V: Lane>(link: &Link, pose: &Pose<V>, n: Three<V>, f: Three<V>) -> (Three<V>, Three<V>) {
-    let f = inward::<TWIST, V>(link, pose, f);
-    (add(inward::<TWIST, V>(link, pose, n), cross(pose.origin, f)), f)
+    let (n, f) = (inward::<TWIST, V>(link, pose, n), inward::<TWIST, V>(link, pose, f));
+    if link.meets {
+        return (n, f);
+    }
+    let p = pose.origin;
+    let arm = if TWIST == ANY { cross(p, f) } else { [p[1] * f[2], -(p[0] * f[2]), p[0] * f[1] - p[1] * f[0]] };
+    (add(n, arm), f)
 }
 
 /// Rotates the plane (a, b; b, d) of a symmetric matrix.
@@ -124,25 +124,36 @@ fn gather<const TWIST: u8, V: Lane>(link: &Link, pose: &Pose<V>, of: &Moments<V>
             [ca * xy - sa * xz, sa * xy + ca * xz, yy, yz, zz]
         }
     };
-    let rotated = inward::<TWIST, V>(link, pose, of.first);
-    let p = pose.origin;
-    let mass = pose.sin.splat(link.outboard);
-    let half = pose.sin.splat(0.5 * link.outboard);
-    let k = [rotated[0] + half * p[0], rotated[1] + half * p[1], rotated[2] + half * p[2]];
-    let two = pose.sin.splat(2.0);
-    let shifted = [
-        xx + two * k[0] * p[0],
-        xy + (k[0] * p[1] + k[1] * p[0]),
-        xz + (k[0] * p[2] + k[2] * p[0]),
-        yy + two * k[1] * p[1],
-        yz + (k[1] * p[2] + k[2] * p[1]),
-        zz + two * k[2] * p[2],
-    ];
+    let mut first = inward::<TWIST, V>(link, pose, of.first);
+    let mut second = [xx, xy, xz, yy, yz, zz];
+    if !link.meets {
+        let p = pose.origin;
+        let mut k = first;
+        if link.outboard != 0.0 {
+            let (mass, half) = (pose.sin.splat(link.outboard), pose.sin.splat(0.5 * link.outboard));
+            for j in 0..3 {
+                k[j] = first[j] + half * p[j];
+                first[j] = first[j] + mass * p[j];
+            }
+        }
+        let two = pose.sin.splat(2.0);
+        second[0] = xx + two * k[0] * p[0];
+        second[1] = xy + (k[0] * p[1] + k[1] * p[0]);
+        second[3] = yy + two * k[1] * p[1];
+        if TWIST == ANY {
+            second[2] = xz + (k[0] * p[2] + k[2] * p[0]);
+            second[4] = yz + (k[1] * p[2] + k[2] * p[1]);
+            second[5] = zz + two * k[2] * p[2];
+        } else {
+            second[2] = xz + k[2] * p[0];
+            second[4] = yz + k[2] * p[1];
+        }
+    }
     for j in 0..6 {
-        to.second[j] = to.second[j] + shifted[j];
+        to.second[j] = to.second[j] + second[j];
     }
     for j in 0..3 {
-        to.first[j] = to.first[j] + (rotated[j] + mass * p[j]);
+        to.first[j] = to.first[j] + first[j];
     }
 }
 
@@ -157,17 +168,35 @@ struct Outward<V> {
     u: [Three<V>; 3],
 }
 
-#[inline(always)]
-fn apply<V: Lane>(u: &[Three<V>; 3], x: &Three<V>) -> Three<V> {
-    let row = |j: usize| u[j][0] * x[0] + u[j][1] * x[1] + u[j][2] * x[2];
-    [row(0), row(1), row(2)]
-}
-
 impl<V: Lane> Outward<V> {
+    /// The first link, behind a base that does not turn, and the effort that its own motion needs.
+    #[inline(always)]
+    fn first(link: &Link, pose: &Pose<V>, v: V, lift: &[f64; 3]) -> (Self, V) {
+        let zero = v.splat(0.0);
+        let none = [zero; 3];
+        let a = outward::<PARALLEL, V>(link, pose, splat(v, lift));
+        if link.prismatic {
+            return (Self { w: none, wd: none, a, u: [none; 3] }, v.splat(link.mass) * a[2]);
+        }
+        let square = -(v * v);
+        let u = [[square, zero, zero], [zero, square, zero], none];
+        let effort = v.splat(link.first[0]) * a[1] - v.splat(link.first[1]) * a[0];
+        (Self { w: [zero, zero, v], wd: none, a, u }, effort)
+    }
+
     /// Goes on to the next link, and gives the moment and the force that its motion needs.
     #[inline(always)]
     fn next<const TWIST: u8>(&mut self, link: &Link, pose: &Pose<V>, v: V) -> (Three<V>, Three<V>) {
-        self.a = add(self.a, apply(&self.u, &pose.origin));
+        if !link.meets {
+            let (u, p) = (&self.u, &pose.origin);
+            for j in 0..3 {
+                let mut moved = u[j][0] * p[0] + u[j][1] * p[1];
+                if TWIST == ANY {
+                    moved = moved + u[j][2] * p[2];
+                }
+                self.a[j] = self.a[j] + moved;
+            }
+        }
         self.a = outward::<TWIST, V>(link, pose, self.a);
         self.w = outward::<TWIST, V>(link, pose, self.w);
         self.wd = outward::<TWIST, V>(link, pose, self.wd);
@@ -189,15 +218,26 @@ impl<V: Lane> Outward<V> {
             [xz - wd[1], yz + wd[0], -(xx + yy)],
         ];
         self.u = u;
+        let a = &self.a;
         let Moments { first: h, second: s } = moments(v, link);
-        let mass = v.splat(link.mass);
-        let turning = apply(&u, &h);
-        let needed = |j: usize| mass * self.a[j] + turning[j];
-        let force = [needed(0), needed(1), needed(2)];
+        // Rows of U Σ, whose last column has no Σ_zz behind a revolute joint, and of U m c.
+        let row = |x: &Three<V>, y: &Three<V>| x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+        let short = |x: &Three<V>, y: &Three<V>| x[0] * y[0] + x[1] * y[1];
         let rows = [[s[0], s[1], s[2]], [s[1], s[3], s[4]], [s[2], s[4], s[5]]];
-        let product = |j: usize, k: usize| u[j][0] * rows[k][0] + u[j][1] * rows[k][1] + u[j][2] * rows[k][2];
-        let spin = [product(2, 1) - product(1, 2), product(0, 2) - product(2, 0), product(1, 0) - product(0, 1)];
-        (add(cross(h, self.a), spin), force)
+        let mut force = [short(&u[0], &h), short(&u[1], &h), short(&u[2], &h)];
+        let (mut yz, mut xz) = (short(&u[1], &rows[2]), short(&u[0], &rows[2]));
+        let (yx, xy) = (row(&u[1], &rows[0]), row(&u[0], &rows[1]));
+        let (zx, zy) = (row(&u[2], &rows[0]), row(&u[2], &rows[1]));
+        let mut moment = [h[1] * a[2], -(h[0] * a[2]), h[0] * a[1] - h[1] * a[0]];
+        if link.prismatic {
+            let mass = v.splat(link.mass);
+            for j in 0..3 {
+                force[j] = force[j] + (u[j][2] * h[2] + mass * a[j]);
+            }
+            (yz, xz) = (yz + u[1][2] * s[5], xz + u[0][2] * s[5]);
+            (moment[0], moment[1]) = (moment[0] - h[2] * a[1], moment[1] + h[2] * a[0]);
+        }
+        (add(moment, [zy - yz, xz - zx, yx - xy]), force)
     }
 }
 
@@ -239,7 +279,7 @@ impl<const N: usize, V: Lane> Rigid<N, V> {
     /// No bias and no masses, before there is one.
     #[inline(always)]
     pub(crate) fn nothing(zero: V) -> Self {
-        Self { bias: [zero; N], factor: Factor { lower: [[zero; N]; N], reciprocal: [zero; N] } }
+        Self { bias: [zero; N], factor: Factor::nothing(zero) }
     }
 
     /// The same in other numbers.
@@ -312,9 +352,8 @@ impl<const N: usize> Chain<N> {
             poses[i] = Pose { sin: sines[i].0, cos: sines[i].1, origin };
         }
         let (mut forces, mut torques) = ([none; N], [none; N]);
-        // The base does not turn.
-        let mut outward = Outward { w: none, wd: none, a: splat(one, &self.lift), u: [none; 3] };
-        for i in 0..N {
+        let (mut outward, effort) = Outward::first(&links[0], &poses[0], v[0], &self.lift);
+        for i in 1..N {
             let (link, pose) = (&links[i], &poses[i]);
             (torques[i], forces[i]) = match link.twist {
                 Twist::Any => outward.next::<ANY>(link, pose, v[i]),
@@ -325,13 +364,15 @@ impl<const N: usize> Chain<N> {
         // Here, between the sweeps, it waits for neither.
         let taken = if FRICTION { self.forces.torque(q, v) } else { [zero; N] };
         let mut bias = [zero; N];
-        let mut matrix = [[zero; N]; N];
+        let mut factor = Factor::nothing(zero);
         let mut inward =
             Inward { n: none, f: none, carried: moments(one, &links[N - 1]), column_n: [none; N], column_f: [none; N] };
         for i in (0..N).rev() {
             let link = &links[i];
-            inward.n = add(inward.n, torques[i]);
-            inward.f = add(inward.f, forces[i]);
+            if i > 0 {
+                inward.n = add(inward.n, torques[i]);
+                inward.f = add(inward.f, forces[i]);
+            }
             let (h, s) = (inward.carried.first, inward.carried.second);
             (inward.column_n[i], inward.column_f[i]) = if link.prismatic {
                 ([h[1], -h[0], zero], [zero, zero, one.splat(link.outboard)])
@@ -340,9 +381,15 @@ impl<const N: usize> Chain<N> {
             };
             let along = |n: &Three<V>, f: &Three<V>| if link.prismatic { f[2] } else { n[2] };
             bias[i] = along(&inward.n, &inward.f);
-            for k in i..N {
-                matrix[k][i] = along(&inward.column_n[k], &inward.column_f[k]) + one.splat(self.rotors[k][i]);
+            if i == 0 {
+                bias[i] = bias[i] + effort;
             }
+            let mut row = [zero; N];
+            for k in i..N {
+                row[k] = along(&inward.column_n[k], &inward.column_f[k]) + one.splat(self.rotors[k][i]);
+            }
+            // Here, where the sweep does not wait for it.
+            factor.take_row(i, &row);
             if i > 0 {
                 let (pose, before) = (&poses[i], moments(one, &links[i - 1]));
                 match link.twist {
@@ -352,102 +399,6 @@ impl<const N: usize> Chain<N> {
                 }
             }
         }
-        (taken, Rigid { bias, factor: Factor::new(&matrix) })
-    }
-}
-
-impl<const N: usize> Factor<N, f64> {
-    /// Whether the matrix is positive definite.
-    pub(crate) fn is_positive(&self) -> bool {
-        self.reciprocal.iter().all(|d| d.is_finite() && *d > 0.0)
-    }
-
-    /// `H⁻¹ X` in place, X of N rows of `d` numbers.
-    #[inline(always)]
-    pub(crate) fn solve_rows(&self, x: &mut [f64], d: usize) {
-        for j in 1..N {
-            let (before, own) = x.split_at_mut(j * d);
-            for k in 0..j {
-                let lower = self.lower[j][k];
-                for (own, before) in own[..d].iter_mut().zip(&before[k * d..(k + 1) * d]) {
-                    *own -= lower * before;
-                }
-            }
-        }
-        for j in (0..N).rev() {
-            let (own, after) = x[j * d..].split_at_mut(d);
-            for own in own.iter_mut() {
-                *own *= self.reciprocal[j];
-            }
-            for k in j + 1..N {
-                let lower = self.lower[k][j];
-                for (own, after) in own.iter_mut().zip(&after[(k - j - 1) * d..(k - j) * d]) {
-                    *own -= lower * after;
-                }
-            }
-        }
-    }
-}
-
-impl<const N: usize, V: Lane> Factor<N, V> {
-    /// Factors a symmetric positive definite matrix of which only the lower triangle is read.
-    #[inline(always)]
-    fn new(matrix: &[[V; N]; N]) -> Self {
-        let zero = matrix[0][0].splat(0.0);
-        let mut lower = [[zero; N]; N];
-        let mut reciprocal = [zero; N];
-        for j in 0..N {
-            // Row j of L D.
-            let mut scaled = [zero; N];
-            let mut d = matrix[j][j];
-            for k in 0..j {
-                let mut x = matrix[j][k];
-                for l in 0..k {
-                    x = x - scaled[l] * lower[k][l];
-                }
-                scaled[k] = x;
-                lower[j][k] = x * reciprocal[k];
-                d = d - x * lower[j][k];
-            }
-            reciprocal[j] = d.reciprocal();
-        }
-        Self { lower, reciprocal }
-    }
-
-    /// Returns this factor in other numbers.
-    #[inline(always)]
-    pub(crate) fn map<U: Copy>(&self, of: impl Fn(V) -> U) -> Factor<N, U> {
-        Factor {
-            lower: std::array::from_fn(|i| std::array::from_fn(|j| of(self.lower[i][j]))),
-            reciprocal: std::array::from_fn(|i| of(self.reciprocal[i])),
-        }
-    }
-
-    /// `H⁻¹`.
-    #[inline(always)]
-    pub(crate) fn inverse(&self) -> [[V; N]; N] {
-        let (zero, one) = (self.reciprocal[0].splat(0.0), self.reciprocal[0].splat(1.0));
-        let mut columns = [[zero; N]; N];
-        for j in 0..N {
-            columns[j][j] = one;
-            columns[j] = self.solve(columns[j]);
-        }
-        columns
-    }
-
-    #[inline(always)]
-    fn solve(&self, mut x: [V; N]) -> [V; N] {
-        for j in 1..N {
-            for k in 0..j {
-                x[j] = x[j] - self.lower[j][k] * x[k];
-            }
-        }
-        for j in (0..N).rev() {
-            x[j] = x[j] * self.reciprocal[j];
-            for k in j + 1..N {
-                x[j] = x[j] - self.lower[k][j] * x[k];
-            }
-        }
-        x
+        (taken, Rigid { bias, factor })
     }
 }

@@ -86,6 +86,11 @@ impl<const K: usize> Lane for Jet<K> {
     }
 
     #[inline(always)]
+    fn reaches(self, least: f64) -> bool {
+        self.value >= least
+    }
+
+    #[inline(always)]
     fn power_of_two(self) -> Self {
         Self::fixed(self.value.power_of_two())
     }

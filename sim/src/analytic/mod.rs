@@ -11,6 +11,7 @@
 
 mod chain;
 mod forward;
+mod factor;
 mod forces;
 mod integrator;
 mod jet;
