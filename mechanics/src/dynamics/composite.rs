@@ -4,102 +4,110 @@
 //! I^C_i = I_i + X* I^C_{i+1} X         F = I^C_j S_j         H_ij = S_iᵀ X* F   for i ≤ j
 //! ```
 
-use nalgebra::Vector3;
-
-use super::joint_frames::{Body, JointChain, JointFrame, JointPose, State, Turns};
-use crate::spatial::{Force, Motion};
+use super::chain::{Inward, Link, Links, Outward, Pose, Wrench};
+use super::turns::{State, Turns};
 
 /// What the recursion keeps of one joint.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct CompositeJoint {
-    pose: JointPose,
-    body: Body,
-    wrench: Force,
+struct CompositeJoint {
+    pose: Pose<f64>,
+    /// What the motion of its link needs.
+    wrench: Wrench<f64>,
 }
 
 /// What the recursions write to.
 #[derive(Clone, Debug)]
 pub(super) struct Workspace {
     joints: Vec<CompositeJoint>,
+    /// What accelerates each joint alone, seen from the link that the sweep has come to.
+    columns: Vec<Wrench<f64>>,
     /// Row-major n × n.
     pub(super) mass: Vec<f64>,
     bias: Vec<f64>,
 }
 
+const NOTHING: Wrench<f64> = ([0.0; 3], [0.0; 3]);
+
 impl Workspace {
-    pub(super) fn new(chain: &JointChain) -> Self {
-        let n = chain.joints.len();
-        let joint = |&body: &Body| CompositeJoint { pose: JointPose::nowhere(0.0), body, wrench: Force::zero() };
-        Self { joints: chain.bodies.iter().map(joint).collect(), mass: vec![0.0; n * n], bias: vec![0.0; n] }
+    pub(super) fn new(n: usize) -> Self {
+        let joint = CompositeJoint { pose: Pose::nowhere(0.0), wrench: NOTHING };
+        Self { joints: vec![joint; n], columns: vec![NOTHING; n], mass: vec![0.0; n * n], bias: vec![0.0; n] }
     }
 }
 
-/// Fills the lower triangle of the row-major n × n mass matrix of the links for positions whose poses are in `work`.
+/// Fills the lower triangle of the row-major n × n mass matrix of the links, and the efforts (n) that the wrenches take.
 #[inline(always)]
-fn mass_matrix(joints: &[JointFrame], work: &mut [CompositeJoint], mass: &mut [f64]) {
-    let n = joints.len();
-    let (work, mass) = (&mut work[..n], &mut mass[..n * n]);
-    for j in (0..n).rev() {
-        let body = work[j].body;
-        let h = &body.first_moment;
-        let mut force;
-        if joints[j].revolute {
-            let i = &body.rotational;
-            force = Force::new(Vector3::new(i.xz, i.yz, i.zz), Vector3::new(-h.y, h.x, 0.0));
-            mass[j * n + j] = i.zz;
-        } else {
-            force = Force::new(Vector3::new(h.y, -h.x, 0.0), Vector3::new(0.0, 0.0, body.mass));
-            mass[j * n + j] = body.mass;
+fn sweep_inwards(
+    links: &[Link],
+    joints: &[CompositeJoint],
+    columns: &mut [Wrench<f64>],
+    mass: &mut [f64],
+    efforts: &mut [f64],
+) {
+    let n = links.len();
+    let (joints, columns) = (&joints[..n], &mut columns[..n]);
+    let (mass, efforts) = (&mut mass[..n * n], &mut efforts[..n]);
+    let mut inward = Inward::begin(0.0, &links[n - 1]);
+    for i in (0..n).rev() {
+        let link = &links[i];
+        inward.take(&joints[i].wrench);
+        efforts[i] = inward.effort(link);
+        columns[i] = inward.column(link);
+        for k in i..n {
+            mass[k * n + i] = link.along(&columns[k]);
         }
-        for i in (0..j).rev() {
-            force = work[i + 1].pose.force_to_parent(&force);
-            mass[j * n + i] = if joints[i].revolute { force.ang.z } else { force.lin.z };
-        }
-        if j > 0 {
-            let seen = body.to_parent(&work[j].pose);
-            work[j - 1].body = work[j - 1].body.joined(&seen);
+        if i > 0 {
+            inward.next(link, &joints[i].pose, &links[i - 1], &mut columns[i..]);
         }
     }
 }
 
 /// The lower triangle of the row-major n × n mass matrix of the links at `q`.
-pub(super) fn mass_matrix_at(chain: &JointChain, work: &mut Workspace, q: &[f64], turns: &Turns) {
-    for (k, ((w, joint), body)) in work.joints.iter_mut().zip(&chain.joints).zip(&chain.bodies).enumerate() {
-        w.pose = joint.pose(q[k], turns.sine_and_cosine(k));
-        w.body = *body;
+pub(super) fn mass_matrix_at(links: &Links, work: &mut Workspace, q: &[f64], turns: &Turns) {
+    let Workspace { joints, columns, mass, bias } = work;
+    for (k, (joint, link)) in joints.iter_mut().zip(&links.links).enumerate() {
+        joint.pose = link.pose(q[k], turns.sine_and_cosine(k));
     }
-    mass_matrix(&chain.joints, &mut work.joints, &mut work.mass);
+    sweep_inwards(&links.links, joints, columns, mass, bias);
 }
 
 /// Turns efforts into accelerations, in place: `x ← (H(q) + D)⁻¹ (x − c(q, q̇) − g(q))`, `D` row-major n × n.
-pub(super) fn accelerations(chain: &JointChain, work: &mut Workspace, added: &[f64], state: State<'_>, x: &mut [f64]) {
+pub(super) fn accelerations(links: &Links, work: &mut Workspace, added: &[f64], state: State<'_>, x: &mut [f64]) {
     // The usual numbers of joints with loops of known length: a tenth faster, the same operations in the same order.
-    match chain.joints.len() {
-        6 => sized::<6>(chain, work, added, state, x),
-        7 => sized::<7>(chain, work, added, state, x),
-        _ => accelerations_of(&chain.joints, &chain.bodies, chain.base_acceleration, work, added, state, x),
+    match links.links.len() {
+        6 => sized::<6>(links, work, added, state, x),
+        7 => sized::<7>(links, work, added, state, x),
+        _ => accelerations_of(&links.links, &links.lift, work, added, state, x),
     }
 }
 
-fn sized<const N: usize>(chain: &JointChain, work: &mut Workspace, added: &[f64], state: State<'_>, x: &mut [f64]) {
-    if let (Some(joints), Some(bodies)) = (chain.joints.first_chunk::<N>(), chain.bodies.first_chunk::<N>()) {
-        accelerations_of(joints, bodies, chain.base_acceleration, work, added, state, x);
+fn sized<const N: usize>(links: &Links, work: &mut Workspace, added: &[f64], state: State<'_>, x: &mut [f64]) {
+    if let Some(own) = links.links.first_chunk::<N>() {
+        accelerations_of(own, &links.lift, work, added, state, x);
     }
 }
 
 #[inline(always)]
 fn accelerations_of(
-    joints: &[JointFrame],
-    bodies: &[Body],
-    base_acceleration: Vector3<f64>,
+    links: &[Link],
+    lift: &[f64; 3],
     work: &mut Workspace,
     added: &[f64],
-    state: State<'_>,
+    (q, qd, turns): State<'_>,
     x: &mut [f64],
 ) {
-    let n = joints.len();
-    let (mass, bias, x) = (&mut work.mass[..n * n], &mut work.bias[..n], &mut x[..n]);
-    mass_matrix_and_bias((joints, bodies, base_acceleration), &mut work.joints, state, mass, bias);
+    let n = links.len();
+    let (q, qd, x) = (&q[..n], &qd[..n], &mut x[..n]);
+    let joints = &mut work.joints[..n];
+    joints[0].pose = links[0].pose(q[0], turns.sine_and_cosine(0));
+    let (mut outward, effort) = Outward::first(&links[0], &joints[0].pose, qd[0], None, lift);
+    for k in 1..n {
+        let pose = links[k].pose(q[k], turns.sine_and_cosine(k));
+        joints[k] = CompositeJoint { pose, wrench: outward.next(&links[k], &pose, qd[k], None) };
+    }
+    sweep_inwards(links, joints, &mut work.columns, &mut work.mass, &mut work.bias);
+    let (mass, bias) = (&mut work.mass[..n * n], &mut work.bias[..n]);
+    bias[0] += effort;
     for (m, d) in mass.iter_mut().zip(&added[..n * n]) {
         *m += d;
     }
@@ -107,49 +115,6 @@ fn accelerations_of(
         *x -= *bias;
     }
     solve(n, mass, x);
-}
-
-/// Mass matrix (lower triangle) and bias efforts `c(q, q̇) + g(q)` (n) of the links.
-#[inline(always)]
-fn mass_matrix_and_bias(
-    (joints, bodies, base_acceleration): (&[JointFrame], &[Body], Vector3<f64>),
-    work: &mut [CompositeJoint],
-    (q, qd, turns): State<'_>,
-    mass: &mut [f64],
-    bias: &mut [f64],
-) {
-    let n = joints.len();
-    let (q, qd, bias) = (&q[..n], &qd[..n], &mut bias[..n]);
-    let work = &mut work[..n];
-    let mut v = Motion::zero();
-    let mut a = Motion::new(Vector3::zeros(), base_acceleration);
-    for (k, (joint, body)) in joints.iter().zip(bodies).enumerate() {
-        let pose = joint.pose(q[k], turns.sine_and_cosine(k));
-        v = pose.motion_to_child(&v);
-        a = pose.motion_to_child(&a);
-        let rate = qd[k];
-        if joint.revolute {
-            v.ang.z += rate;
-            a.ang.x += v.ang.y * rate;
-            a.ang.y -= v.ang.x * rate;
-            a.lin.x += v.lin.y * rate;
-            a.lin.y -= v.lin.x * rate;
-        } else {
-            v.lin.z += rate;
-            a.lin.x += v.ang.y * rate;
-            a.lin.y -= v.ang.x * rate;
-        }
-        work[k] = CompositeJoint { pose, body: *body, wrench: body.wrench(&v, &a) };
-    }
-    let mut force = Force::zero();
-    for k in (0..n).rev() {
-        force += work[k].wrench;
-        bias[k] = if joints[k].revolute { force.ang.z } else { force.lin.z };
-        if k > 0 {
-            force = work[k].pose.force_to_parent(&force);
-        }
-    }
-    mass_matrix(joints, work, mass);
 }
 
 /// Solves `M x = b` in place for a symmetric positive definite M given by its lower triangle (row-major n × n), by

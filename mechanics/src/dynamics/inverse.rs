@@ -2,56 +2,56 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::joint_frames::{JointChain, JointPose};
+use super::chain::{Links, Outward, Pose, Wrench};
 use super::together::{TOGETHER, Together, samples_of};
 use crate::lanes::{Lane, Wide, sin_cos};
-use crate::spatial::{LaneForce, LaneMotion, sum};
+use crate::spatial::sum;
 
-/// Pose of a joint's frame, and the force that its link takes.
-pub(super) type Carried<V> = (JointPose<V>, LaneForce<V>);
+/// Pose of a link's frame, and what the link's motion needs.
+pub(super) type Carried<V> = (Pose<V>, Wrench<V>);
 
 /// For n joints; `zero` says of how many samples.
 #[inline(always)]
 pub(super) fn workspace<V: Lane>(n: usize, zero: V) -> Vec<Carried<V>> {
-    vec![(JointPose::nowhere(zero), LaneForce { ang: [zero; 3], lin: [zero; 3] }); n]
+    vec![(Pose::nowhere(zero), ([zero; 3], [zero; 3])); n]
 }
 
 /// Efforts that the links take. `state` gives coordinate, velocity and acceleration of a joint, and sine and cosine of its angle; `put`
 /// takes its effort, from the last joint to the first.
 #[inline(always)]
 pub(super) fn efforts<V: Lane>(
-    chain: &JointChain,
+    Links { links, lift }: &Links,
     carried: &mut [Carried<V>],
     state: impl Fn(usize) -> ([V; 3], (V, V)),
     mut put: impl FnMut(usize, V),
 ) {
-    let Some((first, _)) = carried.first() else { return };
-    let zero = first.zero();
-    let gravity = &chain.base_acceleration;
-    let mut v = LaneMotion { ang: [zero; 3], lin: [zero; 3] };
-    let mut a = LaneMotion { lin: [zero.splat(gravity.x), zero.splat(gravity.y), zero.splat(gravity.z)], ..v };
-    let steps = carried.iter_mut().zip(chain.joints.iter().zip(&chain.bodies));
-    for (i, ((pose, force), (joint, body))) in steps.enumerate() {
+    let n = links.len();
+    let (links, carried) = (&links[..n], &mut carried[..n]);
+    let ([q, qd, qdd], turn) = state(0);
+    let nothing = [qd.splat(0.0); 3];
+    let (mut outward, effort) = Outward::first(&links[0], &links[0].pose(q, turn), qd, Some(qdd), lift);
+    for i in 1..n {
         let ([q, qd, qdd], turn) = state(i);
-        *pose = joint.pose(q, turn);
-        (v, a) = joint.moved((pose.in_child(&v), pose.in_child(&a)), qd, qdd);
-        *force = body.lane_wrench(&v, &a);
+        let pose = links[i].pose(q, turn);
+        carried[i] = (pose, outward.next(&links[i], &pose, qd, Some(qdd)));
     }
-    let mut f = LaneForce { ang: [zero; 3], lin: [zero; 3] };
-    for (i, ((pose, force), joint)) in carried.iter().zip(&chain.joints).enumerate().rev() {
-        f = LaneForce { ang: sum(&f.ang, &force.ang), lin: sum(&f.lin, &force.lin) };
-        put(i, joint.effort(&f));
-        f = pose.in_parent(&f);
+    let mut needed = (nothing, nothing);
+    for i in (1..n).rev() {
+        let (pose, (n, f)) = &carried[i];
+        needed = (sum(&needed.0, n), sum(&needed.1, f));
+        put(i, links[i].along(&needed));
+        needed = pose.to_parent(&links[i], &needed);
     }
+    put(0, links[0].along(&needed) + effort);
 }
 
 /// Efforts of many samples, N × n row-major.
-pub(super) fn efforts_of(chain: &JointChain, samples: [&[f64]; 3], tau: &mut [f64]) {
+pub(super) fn efforts_of(chain: &Links, samples: [&[f64]; 3], tau: &mut [f64]) {
     Arch::new().dispatch(Efforts { chain, samples, tau });
 }
 
 struct Efforts<'a> {
-    chain: &'a JointChain,
+    chain: &'a Links,
     samples: [&'a [f64]; 3],
     tau: &'a mut [f64],
 }
@@ -62,7 +62,7 @@ impl WithSimd for Efforts<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { chain, samples, tau } = self;
-        let n = chain.joints.len();
+        let n = chain.links.len();
         let mut state = Together::new(n);
         let mut carried = workspace(n, Wide::new(simd, simd.splat_f64s(0.0)));
         let mut found = vec![[0.0; TOGETHER]; n];
@@ -78,7 +78,7 @@ impl WithSimd for Efforts<'_> {
                     #[inline(always)]
                     |k| {
                         let q = at(&state.q, k);
-                        ([q, at(&state.qd, k), at(&state.qdd, k)], sin_cos(chain.joints[k].angle(q)))
+                        ([q, at(&state.qd, k), at(&state.qdd, k)], sin_cos(chain.links[k].angle(q)))
                     },
                     #[inline(always)]
                     |k, effort| S::as_mut_simd_f64s(&mut found[k]).0[vector] = effort.x,
@@ -104,7 +104,7 @@ mod tests {
     fn identity_one_lane_has_the_bits_of_all() {
         let mut rng = Seed::new(18).stream("chains", 0);
         let (robot, parameters) = ChainRecipe::new(7).draw(&mut rng);
-        let chain = JointChain::new(&robot, &parameters.links);
+        let chain = Links::new(&robot, &parameters.links);
         let mut states = States::new(7);
         for _ in 0..19 {
             let (q, qd, qdd) = chains::random_state(&mut rng, 7);

@@ -16,10 +16,10 @@
 //! W. Khalil, E. Dombre, *Modeling, Identification and Control of Robots*, 2002, ch. 9.
 
 mod articulated;
+pub mod chain;
 mod composite;
 mod energy;
 mod inverse;
-mod joint_frames;
 #[cfg(test)]
 mod law_tests;
 mod link_pose;
@@ -31,6 +31,7 @@ mod symmetric;
 mod together;
 mod torque_difference;
 mod torque_terms;
+mod turns;
 
 pub use crate::trajectory::States;
 pub use energy::Energy;

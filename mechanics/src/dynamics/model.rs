@@ -3,11 +3,13 @@
 use nalgebra::{DMatrix, Vector3};
 
 use super::articulated::{self, ArticulatedJoint};
+use super::chain::Links;
 use super::composite;
 use super::inverse::{self, Carried};
-use super::joint_frames::{JointChain, Turns};
+
 use super::link_pose::LinkPose;
 use super::torque_terms::{TermState, TorqueTerms};
+use super::turns::Turns;
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::spatial::{Inertia, Motion};
 
@@ -45,7 +47,7 @@ pub struct Dynamics {
     /// The terms' part in the mass matrix, row-major n × n.
     pub(super) term_inertia: Vec<f64>,
     coupled: bool,
-    chain: JointChain,
+    chain: Links,
     turns: Turns,
     /// Pose of each joint's frame, and the force that its link takes.
     carried: Vec<Carried<f64>>,
@@ -75,15 +77,15 @@ impl Dynamics {
         let terms = TorqueTerms::new(robot, Columns::default().with_terms_of(parameters)).acting(parameters);
         let term_values = terms.values(parameters);
         let term_inertia = terms.inertia(parameters);
-        let chain = JointChain::new(robot, &parameters.links);
+        let chain = Links::new(robot, &parameters.links);
         Self {
             coupled: robot.coupling().is_some(),
             rotors: term_inertia.diagonal().iter().copied().collect(),
             term_inertia: term_inertia.transpose().as_slice().to_vec(),
-            articulated: articulated::workspace(&chain),
-            composite: composite::Workspace::new(&chain),
+            articulated: articulated::workspace(&chain.links),
+            composite: composite::Workspace::new(n),
             carried: inverse::workspace(n, 0.0),
-            turns: Turns::new(&chain),
+            turns: Turns::new(n),
             chain,
             term_torque: vec![0.0; n],
             zeros: vec![0.0; n],
@@ -140,7 +142,7 @@ impl Dynamics {
     /// The efforts that the links alone take, without any term.
     #[inline]
     fn inverse_of_links(&mut self, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
-        self.turns.take(&self.chain.joints, q);
+        self.turns.take(&self.chain.links, q);
         let (turns, carried) = (&self.turns, &mut self.carried);
         let motion = |i: usize| ([q[i], qd[i], qdd[i]], turns.sine_and_cosine(i));
         inverse::efforts(&self.chain, carried, motion, |i, effort| tau[i] = effort);
@@ -183,7 +185,7 @@ impl Dynamics {
     /// If a slice is shorter than n.
     pub fn forward_composite(&mut self, q: &[f64], qd: &[f64], tau: &[f64], qdd: &mut [f64]) {
         self.solve(q, qd, tau, qdd, |this, qdd| {
-            this.turns.take(&this.chain.joints, q);
+            this.turns.take(&this.chain.links, q);
             let state = (q, qd, &this.turns);
             composite::accelerations(&this.chain, &mut this.composite, &this.term_inertia, state, qdd);
         });
@@ -201,7 +203,7 @@ impl Dynamics {
             return self.forward_composite(q, qd, tau, qdd);
         }
         self.solve(q, qd, tau, qdd, |this, qdd| {
-            this.turns.take(&this.chain.joints, q);
+            this.turns.take(&this.chain.links, q);
             let state = (q, qd, &this.turns);
             articulated::accelerations(&this.chain, &mut this.articulated, &this.rotors, state, qdd);
         });
@@ -261,7 +263,7 @@ impl Dynamics {
     /// If `q` is shorter than n.
     pub fn mass_matrix(&mut self, q: &[f64]) -> DMatrix<f64> {
         let n = self.dof();
-        self.turns.take(&self.chain.joints, q);
+        self.turns.take(&self.chain.links, q);
         composite::mass_matrix_at(&self.chain, &mut self.composite, q, &self.turns);
         DMatrix::from_fn(n, n, |i, j| self.composite.mass[i.max(j) * n + i.min(j)] + self.term_inertia[i * n + j])
     }

@@ -1,9 +1,6 @@
 //! A symmetric 3 × 3 matrix by its six numbers.
 
-use nalgebra::{Matrix3, Vector3};
-
-use crate::lanes::Lane;
-use crate::spatial::Three;
+use nalgebra::Vector3;
 
 /// A symmetric matrix; turning it about a coordinate axis takes 8 products.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,11 +16,6 @@ pub(crate) struct Symmetric3 {
 impl Symmetric3 {
     pub(crate) const ZERO: Self = Self { xx: 0.0, xy: 0.0, xz: 0.0, yy: 0.0, yz: 0.0, zz: 0.0 };
 
-    /// The upper triangle of a matrix.
-    pub(crate) fn from_matrix(m: &Matrix3<f64>) -> Self {
-        Self { xx: m[(0, 0)], xy: m[(0, 1)], xz: m[(0, 2)], yy: m[(1, 1)], yz: m[(1, 2)], zz: m[(2, 2)] }
-    }
-
     /// `s · 1`.
     pub(crate) const fn scalar(s: f64) -> Self {
         Self { xx: s, yy: s, zz: s, ..Self::ZERO }
@@ -31,16 +23,13 @@ impl Symmetric3 {
 
     /// `M x`.
     #[inline]
-    pub(crate) fn times(&self, x: &Vector3<f64>) -> Vector3<f64> {
-        self.lane_times(&(*x).into()).into()
-    }
-
-    /// `M x` of several samples.
-    #[inline(always)]
-    pub(crate) fn lane_times<V: Lane>(&self, x: &Three<V>) -> Three<V> {
-        let [a, b, c] = *x;
-        let row = |m: [f64; 3]| a.splat(m[0]) * a + a.splat(m[1]) * b + a.splat(m[2]) * c;
-        [row([self.xx, self.xy, self.xz]), row([self.xy, self.yy, self.yz]), row([self.xz, self.yz, self.zz])]
+    pub(crate) fn times(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        let row = |m: [f64; 3]| m[0] * v.x + m[1] * v.y + m[2] * v.z;
+        Vector3::new(
+            row([self.xx, self.xy, self.xz]),
+            row([self.xy, self.yy, self.yz]),
+            row([self.xz, self.yz, self.zz]),
+        )
     }
 
     #[inline]

@@ -1,6 +1,6 @@
 //! Motions and placements in lanes: what [`Motion`] and [`Placement`](super::Placement) are for one sample, for several at once.
 
-use super::vectors::{Force, Motion};
+use super::vectors::Motion;
 use crate::lanes::Lane;
 
 /// A vector of each of several samples.
@@ -30,15 +30,6 @@ pub struct LaneMotion<V> {
     /// Angular part.
     pub ang: Three<V>,
     /// Linear part, of the point at the frame's origin.
-    pub lin: Three<V>,
-}
-
-/// A spatial force `(n, f)` of each of several samples.
-#[derive(Clone, Copy, Debug)]
-pub struct LaneForce<V> {
-    /// Moment about the frame's origin.
-    pub ang: Three<V>,
-    /// Force.
     pub lin: Three<V>,
 }
 
@@ -113,20 +104,6 @@ impl From<LaneMotion<f64>> for Motion {
     #[inline]
     fn from(motion: LaneMotion<f64>) -> Self {
         Self { ang: motion.ang.into(), lin: motion.lin.into() }
-    }
-}
-
-impl From<&Force> for LaneForce<f64> {
-    #[inline]
-    fn from(force: &Force) -> Self {
-        Self { ang: force.ang.into(), lin: force.lin.into() }
-    }
-}
-
-impl From<LaneForce<f64>> for Force {
-    #[inline]
-    fn from(force: LaneForce<f64>) -> Self {
-        Self { ang: force.ang.into(), lin: force.lin.into() }
     }
 }
 
