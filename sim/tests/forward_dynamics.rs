@@ -1,8 +1,11 @@
-//! The simulator's own equations of motion against the core's, which are solved another way.
+//! The simulator's own equations of motion against the core's, which are solved another way, and against the regressor, which
+//! walks along other frames and knows no base parameters.
 
 use armid::conformance::chains::{self, ChainRecipe};
 use armid::dynamics::Dynamics;
 use armid::experiment::Plant;
+use armid::model::Columns;
+use armid::regressor::JointTorqueRegressor;
 use armid::seed::Seed;
 use armid_sim::{AnalyticError, AnalyticPlant, MOST_JOINTS};
 use rand::RngExt;
@@ -31,6 +34,38 @@ fn identity_accelerations_are_those_of_the_articulated_body_algorithm() {
         }
     }
     // Rounding through mass matrices of condition numbers up to 1e4.
+    assert!(worst < 1e-11, "{worst:e}");
+}
+
+#[test]
+fn identity_accelerations_take_the_torque_of_the_regressor() {
+    let seed = Seed::new(5);
+    let mut worst: f64 = 0.0;
+    for run in 0..160 {
+        let mut rng = seed.stream("chains", run);
+        let dof = 1 + run as usize % MOST_JOINTS;
+        let recipe =
+            ChainRecipe { tilted: run % 2 == 0, coupled: run % 3 == 0, prismatic: 0.3, ..ChainRecipe::new(dof) };
+        let (robot, parameters) = recipe.draw(&mut rng);
+        let columns = Columns::RIGID_ROTOR_FRICTION.with_terms_of(&parameters);
+        let regressor = JointTorqueRegressor::new(&robot, columns).unwrap();
+        let values = parameters.vector(&robot, columns);
+        let mut plant = AnalyticPlant::new(&robot, &parameters).unwrap();
+        let mut y = vec![0.0; dof * regressor.cols()];
+        for _ in 0..5 {
+            let (q, qd, tau) = chains::random_state(&mut rng, dof);
+            plant.reset(&q, &qd);
+            let mut qdd = vec![0.0; dof];
+            plant.acceleration(&tau, &mut qdd);
+            regressor.evaluate(&q, &qd, &qdd, &mut y);
+            let size = qdd.iter().fold(1.0_f64, |size, x| size.max(x.abs()));
+            for (row, tau) in y.chunks_exact(values.len()).zip(&tau) {
+                let needed: f64 = row.iter().zip(&values).map(|(y, value)| y * value).sum();
+                worst = worst.max((needed - tau).abs() / size);
+            }
+        }
+    }
+    // Torques of some hundred N·m and their rounding.
     assert!(worst < 1e-11, "{worst:e}");
 }
 

@@ -3,7 +3,7 @@
 //! ```text
 //! τ = H(q) q̈ + c(q, q̇) + g(q) + τ_terms(q, q̇, q̈)
 //! ```
-//! `radkhah2007`'s Newton–Euler recursions (its eqs. 2–4) in the frames in which the links' parameters are published.
+//! `radkhah2007`'s Newton–Euler recursions (its eqs. 2–4), in frames that stand on the joints ([`chain`]).
 //! Spatial vectors are angular first, `γ = (n, f)`; `radkhah2007` writes force first, `γ = (f, n)`. With
 //! `P = [0 1; 1 0]` (3×3 blocks) that swaps the halves, `radkhah2007`'s `D` of eq. 4 is `P X* P` of ours: the permutation
 //! is stated here once and used nowhere. The base frame's acceleration is minus gravity, so weight needs no term.

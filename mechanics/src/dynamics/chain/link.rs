@@ -2,7 +2,6 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::pose::{Pose, Wrench, splat};
 use crate::lanes::Lane;
 use crate::model::{JointKind, Robot};
 use crate::spatial::{Inertia, Placement};
@@ -48,23 +47,6 @@ impl Link {
     pub fn angle<V: Lane>(&self, q: V) -> V {
         let offset = q.splat(self.offset);
         if self.prismatic { offset } else { q + offset }
-    }
-
-    /// Where the frame stands at coordinate `q`, whose angle has this sine and cosine.
-    #[inline(always)]
-    pub fn pose<V: Lane>(&self, q: V, (sin, cos): (V, V)) -> Pose<V> {
-        let mut origin = splat(q, &self.origin);
-        if self.prismatic {
-            origin[1] = origin[1] - q.splat(self.sin) * q;
-            origin[2] = origin[2] + q.splat(self.cos) * q;
-        }
-        Pose { sin, cos, origin }
-    }
-
-    /// What the joint takes of a wrench.
-    #[inline(always)]
-    pub fn along<V: Lane>(&self, (n, f): &Wrench<V>) -> V {
-        if self.prismatic { f[2] } else { n[2] }
     }
 
     /// Moves the frame along its axis, m. Moments of the link follow.

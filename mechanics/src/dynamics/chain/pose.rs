@@ -34,6 +34,25 @@ pub(super) fn arm<const TWIST: u8, V: Lane>(p: &Three<V>, f: &Three<V>) -> Three
     if TWIST == ANY { cross(p, f) } else { [p[1] * f[2], -(p[0] * f[2]), p[0] * f[1] - p[1] * f[0]] }
 }
 
+impl Link {
+    /// Where the frame stands at coordinate `q`, whose angle has this sine and cosine.
+    #[inline(always)]
+    pub fn pose<V: Lane>(&self, q: V, (sin, cos): (V, V)) -> Pose<V> {
+        let mut origin = splat(q, &self.origin);
+        if self.prismatic {
+            origin[1] = origin[1] - q.splat(self.sin) * q;
+            origin[2] = origin[2] + q.splat(self.cos) * q;
+        }
+        Pose { sin, cos, origin }
+    }
+
+    /// What the joint takes of a wrench.
+    #[inline(always)]
+    pub fn along<V: Lane>(&self, (n, f): &Wrench<V>) -> V {
+        if self.prismatic { f[2] } else { n[2] }
+    }
+}
+
 impl<V: Lane> Pose<V> {
     /// Not turned, at the origin of the frame before.
     #[inline(always)]
