@@ -32,7 +32,7 @@ impl<const N: usize> Factor<N, f64> {
         }
         for j in 0..N {
             let (before, own) = x.split_at_mut(j * d);
-            for own in own[..d].iter_mut() {
+            for own in &mut own[..d] {
                 *own *= self.reciprocal[j];
             }
             for k in 0..j {
