@@ -96,7 +96,7 @@ impl<V: Lane> Pose<V> {
         (if link.meets { n } else { sum(&n, &arm::<TWIST, V>(&self.origin, &f)) }, f)
     }
 
-    /// [`Self::carry`] by the link's own twist.
+    /// A wrench about the link's origin, about the origin of the frame before and in its axes.
     #[inline(always)]
     pub fn to_parent(&self, link: &Link, wrench: &Wrench<V>) -> Wrench<V> {
         match link.twist {
