@@ -246,7 +246,7 @@ impl ArticulatedJoint {
         (projected.to_parent::<TWIST>(link, &self.pose), Force::new(n.into(), f.into()))
     }
 
-    /// Acceleration of the link before (`a`) to its own, and that of the joint.
+    /// Acceleration of the joint, which is added to that of the link (`a`).
     #[inline(always)]
     fn accelerate(&self, link: &Link, a: &mut Motion) -> f64 {
         let found = (self.u - a.dot(&self.u_column)) * self.inverse_d;
@@ -258,6 +258,7 @@ impl ArticulatedJoint {
         found
     }
 
+    /// The same, where `a` is that of the link before.
     #[inline(always)]
     fn accelerate_after<const TWIST: u8>(&self, link: &Link, a: &mut Motion) -> f64 {
         let (w, v) = self.pose.moved::<TWIST>(link, &(a.ang.into(), a.lin.into()));
@@ -278,7 +279,7 @@ pub(super) fn accelerations(
     let (q, qd, x, rotors) = (&q[..n], &qd[..n], &mut x[..n], &rotors[..n]);
     let (links, work) = (&links[..n], &mut work[..n]);
     let mut v = ([0.0; 3], [0.0; 3]);
-    // The first link turns about an axis that stands still: no bias meets its joint.
+    // The first link turns about an axis that stands still, or slides along it: no bias meets its joint.
     work[0].pose = links[0].pose(q[0], turns.sine_and_cosine(0));
     if links[0].prismatic {
         v.1[2] = qd[0];
