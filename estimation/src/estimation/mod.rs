@@ -99,7 +99,7 @@ pub use position_servo::{PositionServo, ServoEstimate, ServoPart, interpolate};
 pub use prediction::{Model, Validation, predict, validate};
 pub use problem::EstimationProblem;
 pub use residual::{residual_noise, scatter_noise};
-pub use residual_shape::{Against, JointTrace, ResidualShape, ResidualTrends, Trend, Whiteness};
+pub use residual_shape::{Against, JointTrace, ResidualShape, ResidualTests, ResidualTrends, Trend, Whiteness};
 pub use selection::{
     BeyondMotion, FTest, HeldOutChange, HeldOutData, Selection, TermEvidence, Verdict, candidate_terms, select,
 };

@@ -20,23 +20,37 @@ pub fn predict(
     regressor: &JointTorqueRegressor,
     states: &States,
 ) -> Result<Vec<f64>, EstimationError> {
-    let (n, p) = (regressor.rows(), regressor.cols());
+    let n = regressor.rows();
     EstimationError::unless_equal("joints of the states", states.dof, n)?;
     let names: Vec<String> = regressor.parameters().iter().map(ToString::to_string).collect();
-    let mut columns = Vec::with_capacity(estimate.base.len());
+    let (mut columns, mut values) = (Vec::new(), Vec::new());
     for parameter in &estimate.base {
         let column = names
             .iter()
             .position(|name| *name == parameter.name)
             .ok_or_else(|| EstimationError::UnknownParameter { parameter: parameter.name.clone() })?;
-        columns.push((column, parameter.value));
+        columns.push(column);
+        values.push(parameter.value);
     }
-    let mut rows = vec![0.0; n * p];
-    let mut torque = Vec::with_capacity(n * states.len());
-    for k in 0..states.len() {
-        regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut rows);
-        torque.extend(rows.chunks_exact(p).map(|row| columns.iter().map(|&(c, value)| row[c] * value).sum::<f64>()));
-    }
+    let mut torque = vec![0.0; n * states.len()];
+    regressor.stack_in_parts(states, &columns, 1, |part| {
+        for joint in 0..n {
+            let mut sums = [0.0; 8];
+            for (column, value) in values.iter().enumerate() {
+                let entries = part.entries(joint, column);
+                // Of known length where all samples of a part are there.
+                match entries.first_chunk::<8>() {
+                    Some(entries) => sums.iter_mut().zip(entries).for_each(|(sum, entry)| *sum += entry * value),
+                    None => sums.iter_mut().zip(entries).for_each(|(sum, entry)| *sum += entry * value),
+                }
+            }
+            torque[n * part.first + joint..]
+                .iter_mut()
+                .step_by(n)
+                .zip(&sums[..part.count])
+                .for_each(|(tau, sum)| *tau = *sum);
+        }
+    });
     Ok(torque)
 }
 
@@ -60,9 +74,7 @@ impl Model<'_> {
         EstimationError::unless_equal("links of the parameters", self.parameters.links.len(), n)?;
         let mut dynamics = Dynamics::new(self.robot, self.parameters);
         let mut torque = vec![0.0; n * states.len()];
-        for (k, tau) in torque.chunks_exact_mut(n).enumerate() {
-            dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), tau);
-        }
+        dynamics.inverse_of_samples(states.arrays(), &mut torque);
         Ok(torque)
     }
 }

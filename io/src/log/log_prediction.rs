@@ -1,10 +1,13 @@
 //! What estimates and models predict of logs.
 
+use std::collections::BTreeMap;
+
 use armid::calibration::{TransmissionStiffness, transmission_stiffness};
 use armid::estimation::{
-    Estimate, EstimationError, Identification, Model, ResidualTrends, TorqueResidual, TorqueSeries, Validation, predict,
+    BaseEstimate, Estimate, EstimationError, Identification, Model, ResidualTests, ResidualTrends, TorqueResidual,
+    TorqueSeries, Validation, predict,
 };
-use armid::model::Columns;
+use armid::model::{Columns, Robot};
 use armid::regressor::JointTorqueRegressor;
 use armid::remedy::{Remedy, Setting, Task};
 use armid::signal::Samples;
@@ -24,6 +27,29 @@ pub struct LogResidual {
 /// An error of an estimate or of a model that is called `name`.
 fn named(name: &str) -> impl Fn(EstimationError) -> Error {
     move |error| Error::mismatch(format!("{name}: {error}"))
+}
+
+/// What base parameters stand for.
+#[derive(Clone, Debug)]
+pub struct BaseExpressions {
+    robot: String,
+    by_name: BTreeMap<String, String>,
+}
+
+impl BaseExpressions {
+    /// Those of an estimate, in its order. `name` is what errors call it.
+    ///
+    /// # Errors
+    /// [`Error`] where it is of other parameters.
+    pub fn of(&self, estimate: &Estimate, name: &str) -> Result<Vec<String>, Error> {
+        let of = |parameter: &BaseEstimate| {
+            self.by_name.get(&parameter.name).cloned().ok_or_else(|| {
+                let message = format!("{name}: \"{}\" is not a base parameter of \"{}\"", parameter.name, self.robot);
+                Error::mismatch(message)
+            })
+        };
+        estimate.base.iter().map(of).collect()
+    }
 }
 
 impl ProcessedLog {
@@ -106,16 +132,28 @@ impl ProcessedLog {
         found.map(Some).map_err(|error| Error::new(format!("{}: {error}", self.name())))
     }
 
-    /// What the residual of an estimate shows on the equations that it was made from.
+    /// What the residual of each estimate shows on the equations that it was made from. Estimates of the same robot share their tests.
     ///
     /// # Errors
-    /// As [`Self::validate`].
-    pub fn residual_trends(&self, estimate: &Estimate, name: &str) -> Result<ResidualTrends, Error> {
-        let columns = self.columns_of(estimate, name)?;
-        let robot = estimate.robot(&self.robot.robot, columns).map_err(named(name))?;
-        let observation = self.identification_of(&robot, columns).and_then(|of| of.observation(&self.samples));
-        let observation = observation.map_err(|error| self.unestimated(&error))?;
-        ResidualTrends::new(&robot, &observation, &self.samples, estimate).map_err(named(name))
+    /// Of each as of [`Self::validate`].
+    pub fn residual_trends(&self, estimates: &[Estimate], name: &str) -> Vec<Result<ResidualTrends, Error>> {
+        let mut last: Option<(Robot, Columns, ResidualTests)> = None;
+        let of = |estimate: &Estimate| {
+            let columns = self.columns_of(estimate, name)?;
+            let robot = estimate.robot(&self.robot.robot, columns).map_err(named(name))?;
+            let tests = match last.take() {
+                Some((of, at, tests)) if of == robot && at == columns => tests,
+                _ => self.residual_tests(&robot, columns).map_err(|error| self.unestimated(&error))?,
+            };
+            let (_, _, tests) = last.insert((robot, columns, tests));
+            tests.trends(&self.samples, estimate).map_err(named(name))
+        };
+        estimates.iter().map(of).collect()
+    }
+
+    fn residual_tests(&self, robot: &Robot, columns: Columns) -> Result<ResidualTests, EstimationError> {
+        let observation = self.identification_of(robot, columns)?.observation(&self.samples)?;
+        ResidualTests::new(robot, observation)
     }
 
     /// What each base parameter of an estimate stands for, in its order.
@@ -123,25 +161,21 @@ impl ProcessedLog {
     /// # Errors
     /// [`Error`] where the estimate is of another robot or of other parameters.
     pub fn expressions(&self, estimate: &Estimate, name: &str) -> Result<Vec<String>, Error> {
-        let columns = self.columns_of(estimate, name)?;
+        self.base_expressions(self.columns_of(estimate, name)?)?.of(estimate, name)
+    }
+
+    /// What each base parameter of these columns stands for.
+    ///
+    /// # Errors
+    /// [`Error`] where the robot has no base parameters.
+    pub fn base_expressions(&self, columns: Columns) -> Result<BaseExpressions, Error> {
         let robot = &self.robot.robot;
         let identification = self.identification(columns);
         let identification =
             identification.map_err(|error| Error::new(format!("robot \"{}\": {error}", robot.name())))?;
         let base = identification.base();
-        let (names, expressions) = (base.names(), base.expressions(robot));
-        estimate
-            .base
-            .iter()
-            .map(|parameter| {
-                let at = names.iter().position(|name| *name == parameter.name);
-                at.map(|at| expressions[at].clone()).ok_or_else(|| {
-                    let message =
-                        format!("{name}: \"{}\" is not a base parameter of \"{}\"", parameter.name, robot.name());
-                    Error::mismatch(message)
-                })
-            })
-            .collect()
+        let named = base.names().into_iter().zip(base.expressions(robot));
+        Ok(BaseExpressions { robot: robot.name().to_owned(), by_name: named.collect() })
     }
 
     /// By which an estimate predicts.

@@ -52,19 +52,17 @@ impl<const N: usize, V: Lane> Factor<N, V> {
         Self { upper: [[zero; N]; N], reciprocal: [zero; N] }
     }
 
-    /// Takes row i of a symmetric positive definite matrix, of which the diagonal and what is after it are read. Rows come from the
-    /// last to the first.
+    /// Takes row i of a symmetric positive definite matrix, of which the diagonal and what is after it are read, and leaves there that of
+    /// `U D`. Rows come from the last to the first.
     #[inline(always)]
-    pub(crate) fn take_row(&mut self, i: usize, row: &[V; N]) {
-        // Of U D.
-        let mut scaled = *row;
+    pub(crate) fn take_row(&mut self, i: usize, row: &mut [V; N]) {
         let mut d = row[i];
         for k in (i + 1..N).rev() {
             let mut x = row[k];
             for l in (k + 1..N).rev() {
-                x = x - scaled[l] * self.upper[k][l];
+                x = x - row[l] * self.upper[k][l];
             }
-            scaled[k] = x;
+            row[k] = x;
             self.upper[i][k] = x * self.reciprocal[k];
             d = d - x * self.upper[i][k];
         }

@@ -5,7 +5,7 @@
 //! ```
 //! The sweeps are those of [`armid::dynamics::chain`]. Rows of the mass matrix are factored as they are found.
 
-use armid::dynamics::chain::{Inward, Outward, Pose};
+use armid::dynamics::chain::{Inward, Outward, Pose, Wrench};
 use armid::lanes::{Lane, sines};
 
 use super::chain::Chain;
@@ -54,29 +54,61 @@ impl<const N: usize, V: Lane> Rigid<N, V> {
     }
 }
 
+/// What the sweeps keep of each link. Room for all evaluations of a step: to clear it for each of them takes a tenth of their time.
+pub(crate) struct Sweeps<const N: usize, V> {
+    poses: [Pose<V>; N],
+    wrenches: [Wrench<V>; N],
+    columns: [Wrench<V>; N],
+}
+
+impl<const N: usize, V: Lane> Sweeps<N, V> {
+    /// Before the first.
+    #[inline(always)]
+    pub(crate) fn nothing(zero: V) -> Self {
+        let none = ([zero; 3], [zero; 3]);
+        Self { poses: [Pose::nowhere(zero); N], wrenches: [none; N], columns: [none; N] }
+    }
+}
+
 impl<const N: usize> Chain<N> {
     /// Accelerations of the joints of one arm, and the rigid part of its equations, compiled once.
     #[inline(never)]
     pub(crate) fn accelerate_alone(&self, q: &[f64; N], v: &[f64; N], tau: &[f64; N]) -> ([f64; N], Rigid<N, f64>) {
-        let (taken, rigid) = self.parts(q, v);
+        let mut rigid = Rigid::nothing(0.0);
+        let taken = self.parts(q, v, &mut Sweeps::nothing(0.0), &mut rigid);
         (rigid.accelerations(tau, &taken), rigid)
-    }
-
-    /// Efforts that friction takes at `q` and `v`, and the rigid part there.
-    #[inline(always)]
-    pub(crate) fn parts<V: Lane>(&self, q: &[V; N], v: &[V; N]) -> ([V; N], Rigid<N, V>) {
-        self.sweep::<V, true>(q, v)
     }
 
     /// The rigid part at `q` and `v`.
     #[inline(always)]
     pub(crate) fn rigid<V: Lane>(&self, q: &[V; N], v: &[V; N]) -> Rigid<N, V> {
-        self.sweep::<V, false>(q, v).1
+        let zero = q[0].splat(0.0);
+        let mut rigid = Rigid::nothing(zero);
+        self.sweep::<V, false>(q, v, &mut Sweeps::nothing(zero), &mut rigid);
+        rigid
     }
 
-    /// Both, or no friction.
+    /// Efforts that friction takes at `q` and `v`; the rigid part there becomes `rigid`.
     #[inline(always)]
-    fn sweep<V: Lane, const FRICTION: bool>(&self, q: &[V; N], v: &[V; N]) -> ([V; N], Rigid<N, V>) {
+    pub(crate) fn parts<V: Lane>(
+        &self,
+        q: &[V; N],
+        v: &[V; N],
+        sweeps: &mut Sweeps<N, V>,
+        rigid: &mut Rigid<N, V>,
+    ) -> [V; N] {
+        self.sweep::<V, true>(q, v, sweeps, rigid)
+    }
+
+    /// The rigid part, and friction or zeros.
+    #[inline(always)]
+    fn sweep<V: Lane, const FRICTION: bool>(
+        &self,
+        q: &[V; N],
+        v: &[V; N],
+        Sweeps { poses, wrenches, columns }: &mut Sweeps<N, V>,
+        Rigid { bias, factor }: &mut Rigid<N, V>,
+    ) -> [V; N] {
         let one = q[0];
         let zero = one.splat(0.0);
         let links = &self.links;
@@ -85,37 +117,35 @@ impl<const N: usize> Chain<N> {
             angles[i] = links[i].angle(q[i]);
         }
         let sines = sines(&angles);
-        let mut poses = [Pose::nowhere(zero); N];
         for i in 0..N {
             poses[i] = links[i].pose(q[i], sines[i]);
         }
-        let nothing = ([zero; 3], [zero; 3]);
-        let (mut wrenches, mut columns) = ([nothing; N], [nothing; N]);
         let (mut outward, effort) = Outward::first(&links[0], &poses[0], v[0], None, &self.lift);
         for i in 1..N {
             wrenches[i] = outward.next(&links[i], &poses[i], v[i], None);
         }
         // Here, between the sweeps, it waits for neither.
         let taken = if FRICTION { self.forces.torque(q, v) } else { [zero; N] };
-        let mut bias = [zero; N];
-        let mut factor = Factor::nothing(zero);
+        let mut row = [zero; N];
         let mut inward = Inward::begin(one, &links[N - 1]);
         for i in (0..N).rev() {
             let link = &links[i];
-            inward.take(&wrenches[i]);
+            // The first has none but its effort.
+            if i > 0 {
+                inward.take(&wrenches[i]);
+            }
             columns[i] = inward.column(link);
             bias[i] = inward.effort(link);
-            let mut row = [zero; N];
             for k in i..N {
                 row[k] = link.along(&columns[k]) + one.splat(self.rotors[k][i]);
             }
             // Here, where the sweep does not wait for it.
-            factor.take_row(i, &row);
+            factor.take_row(i, &mut row);
             if i > 0 {
                 inward.next(link, &poses[i], &links[i - 1], &mut columns[i..]);
             }
         }
         bias[0] = bias[0] + effort;
-        (taken, Rigid { bias, factor })
+        taken
     }
 }

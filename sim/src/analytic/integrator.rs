@@ -18,7 +18,7 @@
 //! So two rigid parts serve any number of friction's. A speed that creeps under friction then follows the forces of the middle.
 
 use super::chain::Chain;
-use super::forward::Rigid;
+use super::forward::{Rigid, Sweeps};
 use armid::lanes::Lane;
 
 /// Largest `λ h` of a part of a step.
@@ -191,6 +191,8 @@ pub(crate) fn step<const N: usize, V: Lane>(chain: &Chain<N>, y: &mut State<N, V
     let (mut parts_of_runs, mut some_whole, mut some_divided) = (one, true, false);
     let (mut q, mut v, mut divided) = (y.q, y.v, *y);
     let mut stages = [(y.v, y.v); 4];
+    let zero = one.splat(0.0);
+    let (mut sweeps, mut rigid) = (Sweeps::nothing(zero), Rigid::nothing(zero));
     for evaluation in 0..=MIDDLE {
         if evaluation == MIDDLE {
             if !some_divided {
@@ -200,7 +202,7 @@ pub(crate) fn step<const N: usize, V: Lane>(chain: &Chain<N>, y: &mut State<N, V
         } else if evaluation > 0 && !some_whole {
             continue;
         }
-        let (taken, rigid) = chain.parts(&q, &v);
+        let taken = chain.parts(&q, &v, &mut sweeps, &mut rigid);
         let (mut change, mut turns) = (v, one);
         if evaluation < MIDDLE {
             let a = rigid.accelerations(tau, &taken);

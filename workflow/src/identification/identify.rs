@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use armid::estimation::{Estimate, Estimator, EstimatorKind, FrictionSpeeds, Termination, candidate_terms};
+use armid::estimation::{
+    Estimate, Estimator, EstimatorKind, FrictionSpeeds, ResidualTrends, Termination, candidate_terms,
+};
 use armid::model::Columns;
 use armid::observer::Observer;
 use armid_io::log::LogResidual;
@@ -107,15 +109,17 @@ pub fn identify(
     let interrupted = ended || latch.has_ended();
     // What was ended has a page as well, which reads its log again; a list of estimates has none.
     let has_page = estimates.len() == 1 && !interrupted;
-    let identified = |estimate: Estimate| {
-        let residual = log.residual(&estimate, NAME)?;
-        let verdict = Verdict::new(&estimate, &residual, &log, &suspicions, &files);
+    let (expressions, trends) = (log.base_expressions(columns)?, log.residual_trends(&estimates, NAME));
+    let identified = |(estimate, trends): (Estimate, Result<ResidualTrends, Error>)| {
+        let (residual, trends) = (log.residual(&estimate, NAME)?, trends.ok());
+        let verdict = Verdict::new(&estimate, &residual, trends.as_ref(), &log, &suspicions, &files);
         // Where one cannot be drawn, the page says why.
-        let figures = if has_page { LogFigures::new(&estimate, NAME, &log, &residual).ok() } else { None };
+        let figures = trends.filter(|_| has_page);
+        let figures = figures.and_then(|trends| LogFigures::new(&estimate, NAME, &log, &residual, &trends).ok());
         let LogResidual { used, held_out } = residual;
-        Ok(Identified { expressions: log.expressions(&estimate, NAME)?, verdict, estimate, used, held_out, figures })
+        Ok(Identified { expressions: expressions.of(&estimate, NAME)?, verdict, estimate, used, held_out, figures })
     };
-    let estimates = estimates.into_iter().map(identified).collect::<Result<Vec<_>, Error>>()?;
+    let estimates = estimates.into_iter().zip(trends).map(identified).collect::<Result<Vec<_>, Error>>()?;
     let transmissions = estimates.first().map_or(Ok(None), |first| log.transmissions(&first.estimate, NAME))?;
     Ok(IdentifyAnswer { log, inputs, estimates, suspicions, selection, onset, speeds, transmissions, interrupted })
 }

@@ -1,7 +1,7 @@
 //! The first screen of an estimate: what it predicts, what the motion determines, and the one or two findings that matter.
 
 use armid::diagnosis::Suspicion;
-use armid::estimation::{Against, Estimate, Finding, Trend};
+use armid::estimation::{Against, Estimate, Finding, ResidualTrends, Trend};
 use armid::observer::Observer;
 use armid::remedy::{Remedy, Setting};
 use armid_io::ProcessedLog;
@@ -76,10 +76,13 @@ pub struct Advised {
 }
 
 impl Verdict {
-    /// The verdict on an estimate with this residual in a log with these suspicions; `files` are what model files of the log would predict.
+    /// The verdict on an estimate with this residual in a log with these suspicions; `trends` are what the residual shows, and `files` what model files
+    /// of the log would predict. Equations that no test of a shape can use show nothing. A log without periods has no noise to compare
+    /// with: what is left has a shape all the same.
     pub(super) fn new(
         estimate: &Estimate,
         LogResidual { used, held_out }: &LogResidual,
+        trends: Option<&ResidualTrends>,
         log: &ProcessedLog,
         suspicions: &[Suspicion],
         files: &[FileError],
@@ -100,10 +103,7 @@ impl Verdict {
         let matter: Vec<_> = matter.map(|(text, advice)| Advised { text, advice: advice.into() }).collect();
         let in_groups = matter.len();
         findings.extend(matter);
-        // Equations that no test of a shape can use have none. A log without periods has no noise to compare with: what is left
-        // has a shape all the same.
-        let trends = log.residual_trends(estimate, "the estimate").ok();
-        let strongest = trends.as_ref().and_then(|trends| trends.trends.first());
+        let strongest = trends.and_then(|trends| trends.trends.first());
         if let Some(trend) = strongest.filter(|trend| trend.share >= LARGE_SHARE && in_groups < open) {
             findings.push(Advised { text: vec![trend.sentence(&joints[trend.joint])], advice: action(trend) });
         }

@@ -26,7 +26,8 @@ pub struct LogFigures {
 }
 
 impl LogFigures {
-    /// The figures of an estimate, which errors call `name`, of the logs that it was made from, and of what it leaves of them.
+    /// The figures of an estimate, which errors call `name`, of the logs that it was made from, of what it leaves of them, and of what that
+    /// shows.
     ///
     /// # Errors
     /// [`Error`] where the estimate is of another robot or of other parameters.
@@ -35,6 +36,7 @@ impl LogFigures {
         name: &str,
         log: &ProcessedLog,
         residual: &LogResidual,
+        trends: &ResidualTrends,
     ) -> Result<Self, Error> {
         let torque = TorqueComparison::with_residual(estimate, name, log, residual)?;
         Ok(Self {
@@ -42,7 +44,7 @@ impl LogFigures {
             left_out: log.reports.iter().flat_map(|report| report.origin.sentences()).collect(),
             is_held_out: torque.is_held_out,
             torque: torque.traces(),
-            residual: diagnostics(&log.residual_trends(estimate, name)?, &log.joint_names()),
+            residual: diagnostics(trends, &log.joint_names()),
         })
     }
 }

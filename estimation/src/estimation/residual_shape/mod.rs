@@ -19,6 +19,6 @@ mod trends;
 mod whiteness;
 
 pub use shape::{Against, ResidualShape};
-pub use trends::{JointTrace, ResidualTrends, Trend};
+pub use trends::{JointTrace, ResidualTests, ResidualTrends, Trend};
 pub use whiteness::Whiteness;
 pub(super) use whiteness::probability;

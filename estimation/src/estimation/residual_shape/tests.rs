@@ -3,7 +3,7 @@
 use rand_distr::{Distribution, StandardNormal};
 
 use super::shape::Point;
-use super::{Against, ResidualShape, ResidualTrends};
+use super::{Against, ResidualShape, ResidualTests, ResidualTrends};
 use crate::chains::random_robot;
 use crate::dynamics::{Dynamics, States};
 use crate::estimation::{EstimatorKind, Identification};
@@ -69,7 +69,7 @@ fn trends(seed: u64, columns: Columns, memory: f64, added: Option<(ResidualShape
     let identification = Identification::new(&robot, columns).unwrap();
     let estimate = identification.estimate(&samples, EstimatorKind::Wls.estimator()).unwrap();
     let observation = identification.observation(&samples).unwrap();
-    ResidualTrends::new(&robot, &observation, &samples, &estimate).unwrap()
+    ResidualTests::new(&robot, observation).unwrap().trends(&samples, &estimate).unwrap()
 }
 
 fn joints() -> Vec<String> {
@@ -244,7 +244,7 @@ fn analytic_no_spring_is_named_where_there_is_none() {
         let identification = Identification::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
         let Ok(estimate) = identification.estimate(&samples, EstimatorKind::Wls.estimator()) else { continue };
         let observation = identification.observation(&samples).unwrap();
-        let found = ResidualTrends::new(&robot, &observation, &samples, &estimate).unwrap();
+        let found = ResidualTests::new(&robot, observation).unwrap().trends(&samples, &estimate).unwrap();
         let said = found.sentences(Against::Position, &joints).join(" ");
         assert!(!said.contains("spring"), "seed {seed}, {harmonics} harmonics: {said}");
         assert!(found.trends.iter().all(|trend| trend.share >= 0.05), "{:?}", found.trends);

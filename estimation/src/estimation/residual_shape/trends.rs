@@ -10,6 +10,7 @@ use crate::estimation::factorisation::Factorisation;
 use crate::estimation::observation::Observation;
 use crate::estimation::residual::residual_noise;
 use crate::linalg::BlockWhitening;
+use crate::linalg::product::{add_product, transposed_product};
 use crate::model::{JointKind, Robot};
 use crate::signal::Samples;
 use crate::statistics::{holm_adjusted, student_p_value, student_quantile};
@@ -100,80 +101,6 @@ pub struct ResidualTrends {
 }
 
 impl ResidualTrends {
-    /// Tests the residual of `estimate` on the equations that it was made from, with the states of `samples`.
-    ///
-    /// # Errors
-    /// [`EstimationError::Count`] or [`EstimationError::UnknownParameter`] where observation, samples and estimate are not of each other,
-    /// and as [`Factorisation::weighted`].
-    pub fn new(
-        robot: &Robot,
-        observation: &Observation,
-        samples: &Samples,
-        estimate: &Estimate,
-    ) -> Result<Self, EstimationError> {
-        EstimationError::unless_equal("blocks of the samples", samples.blocks(), observation.samples())?;
-        let n = observation.dof;
-        let names = observation.base.names();
-        if let Some(other) = estimate.base.iter().find(|parameter| !names.contains(&parameter.name)) {
-            return Err(EstimationError::UnknownParameter { parameter: other.name.clone() });
-        }
-        // An estimator may leave parameters out: they are zero.
-        let value = |name: &String| estimate.base.iter().find(|parameter| parameter.name == *name);
-        let beta = DVector::from_fn(names.len(), |j, _| value(&names[j]).map_or(0.0, |parameter| parameter.value));
-        let residual = observation.residual(&beta);
-        let load = &observation.regressor * of_links(observation, &beta);
-        let means = |values: &[f64]| samples.block_means(values, n);
-        let states = &samples.states;
-        let [position, velocity, acceleration] = [&states.q, &states.qd, &states.qdd].map(|values| means(values));
-        let step_s = samples.block as f64 / samples.rate_hz;
-        let rows = |joint: usize| (joint..observation.used.len()).step_by(n);
-        let traces = (0..n).map(|joint| {
-            let rows: Vec<usize> = rows(joint).filter(|&row| observation.used[row]).collect();
-            let of = |values: &[f64]| rows.iter().map(|&row| values[row]).collect::<Vec<f64>>();
-            JointTrace {
-                times: rows.iter().map(|&row| (row / n) as f64 * step_s).collect(),
-                residual: of(residual.as_slice()),
-                velocity: of(&velocity),
-                load: of(load.as_slice()),
-                position: of(&position),
-                acceleration: of(&acceleration),
-            }
-        });
-        let traces: Vec<JointTrace> = traces.collect();
-        let mut whiteness: Vec<Option<Whiteness>> = (0..n)
-            .map(|joint| {
-                let known: Vec<Option<f64>> =
-                    rows(joint).map(|row| observation.used[row].then_some(residual[row])).collect();
-                Whiteness::of(&known, step_s)
-            })
-            .collect();
-        let p: Vec<f64> = whiteness.iter().flatten().map(|of| of.p_adjusted).collect();
-        for (of, adjusted) in whiteness.iter_mut().flatten().zip(holm_adjusted(&p)) {
-            of.p_adjusted = adjusted;
-        }
-        let kinds: Vec<JointKind> = robot.joints().iter().map(|joint| joint.kind).collect();
-        let tests = Tests::new(observation, &residual)?;
-        let (mut trends, mut tested) = (Vec::new(), Vec::new());
-        let noise_free = samples.is_noise_free();
-        for against in Against::ALL.into_iter().filter(|_| !noise_free) {
-            // The averaged period has no beginning and no end.
-            if against == Against::Time && observation.periodic {
-                continue;
-            }
-            let mut all = Vec::new();
-            for (joint, trace) in traces.iter().enumerate() {
-                let rows: Vec<usize> = rows(joint).filter(|&row| observation.used[row]).collect();
-                for &shape in ResidualShape::ALL.iter().filter(|shape| shape.against() == against) {
-                    all.extend(tests.trend(joint, kinds[joint], &rows, trace, shape));
-                }
-            }
-            tested.push((against, all.len()));
-            trends.extend(strongest(all, n));
-        }
-        trends.sort_by(|a, b| b.share.total_cmp(&a.share));
-        Ok(Self { trends, tested, whiteness, traces, noise_free })
-    }
-
     /// Sentences on what the residual follows of a variable, the largest share first; one that says so where it follows nothing.
     pub fn sentences(&self, against: Against, joints: &[String]) -> Vec<String> {
         if self.noise_free {
@@ -220,21 +147,25 @@ fn of_links(observation: &Observation, beta: &DVector<f64>) -> DVector<f64> {
     })
 }
 
-/// What all tests of one residual share.
-struct Tests<'a> {
-    observation: &'a Observation,
-    /// One over the RMS of each joint's residual, squared; zero where a joint has none.
+/// Tests of what residuals of estimates of the same equations show.
+#[derive(Clone, Debug)]
+pub struct ResidualTests {
+    observation: Observation,
+    kinds: Vec<JointKind>,
+    /// One over the RMS of each joint's residual of ordinary least squares, squared; zero where a joint has none.
     weights: Vec<f64>,
     /// (WᵀPW)⁻¹.
     inverse: DMatrix<f64>,
-    /// r̃.
-    residual: DVector<f64>,
 }
 
-impl<'a> Tests<'a> {
-    fn new(observation: &'a Observation, residual: &DVector<f64>) -> Result<Self, EstimationError> {
+impl ResidualTests {
+    /// Tests on the equations of one experiment with this robot.
+    ///
+    /// # Errors
+    /// [`EstimationError`] where least squares of the equations have no answer.
+    pub fn new(robot: &Robot, observation: Observation) -> Result<Self, EstimationError> {
         let n = observation.dof;
-        let equations = Factorisation::new(observation)?;
+        let equations = Factorisation::new(&observation)?;
         let covariance = equations.residual_covariance(equations.least_squares()?.solution());
         let of = |joint: usize| {
             let variance: f64 = covariance[(joint, joint)];
@@ -245,9 +176,80 @@ impl<'a> Tests<'a> {
             if weights[joint] > 0.0 { weights[joint].recip() } else { 1.0 }
         }));
         let inverse = equations.weighted(&BlockWhitening::new(&shown)?)?.inverse_information();
-        let mut tests = Self { observation, weights, inverse, residual: residual.clone() };
-        tests.residual = tests.beside_the_model(residual);
-        Ok(tests)
+        let kinds = robot.joints().iter().map(|joint| joint.kind).collect();
+        Ok(Self { observation, kinds, weights, inverse })
+    }
+
+    /// Tests the residual of an estimate that was made from these equations, with the states of `samples`.
+    ///
+    /// # Errors
+    /// [`EstimationError::Count`] or [`EstimationError::UnknownParameter`] where equations, samples and estimate are not of each other.
+    pub fn trends(&self, samples: &Samples, estimate: &Estimate) -> Result<ResidualTrends, EstimationError> {
+        let observation = &self.observation;
+        EstimationError::unless_equal("blocks of the samples", samples.blocks(), observation.samples())?;
+        let n = observation.dof;
+        let names = observation.base.names();
+        if let Some(other) = estimate.base.iter().find(|parameter| !names.contains(&parameter.name)) {
+            return Err(EstimationError::UnknownParameter { parameter: other.name.clone() });
+        }
+        // An estimator may leave parameters out: they are zero.
+        let value = |name: &String| estimate.base.iter().find(|parameter| parameter.name == *name);
+        let beta = DVector::from_fn(names.len(), |j, _| value(&names[j]).map_or(0.0, |parameter| parameter.value));
+        let residual = observation.residual(&beta);
+        let load = self.torque(of_links(observation, &beta));
+        let means = |values: &[f64]| samples.block_means(values, n);
+        let states = &samples.states;
+        let [position, velocity, acceleration] = [&states.q, &states.qd, &states.qdd].map(|values| means(values));
+        let step_s = samples.block as f64 / samples.rate_hz;
+        let used: Vec<Vec<usize>> = (0..n).map(|joint| self.used_rows(joint)).collect();
+        let traces = used.iter().map(|rows| {
+            let of = |values: &[f64]| rows.iter().map(|&row| values[row]).collect::<Vec<f64>>();
+            JointTrace {
+                times: rows.iter().map(|&row| (row / n) as f64 * step_s).collect(),
+                residual: of(residual.as_slice()),
+                velocity: of(&velocity),
+                load: of(load.as_slice()),
+                position: of(&position),
+                acceleration: of(&acceleration),
+            }
+        });
+        let traces: Vec<JointTrace> = traces.collect();
+        let mut whiteness: Vec<Option<Whiteness>> = (0..n)
+            .map(|joint| {
+                let rows = (joint..observation.used.len()).step_by(n);
+                let known: Vec<Option<f64>> = rows.map(|row| observation.used[row].then_some(residual[row])).collect();
+                Whiteness::of(&known, step_s)
+            })
+            .collect();
+        let p: Vec<f64> = whiteness.iter().flatten().map(|of| of.p_adjusted).collect();
+        for (of, adjusted) in whiteness.iter_mut().flatten().zip(holm_adjusted(&p)) {
+            of.p_adjusted = adjusted;
+        }
+        let left = self.beside_the_model(&residual);
+        let (mut trends, mut tested) = (Vec::new(), Vec::new());
+        let noise_free = samples.is_noise_free();
+        for against in Against::ALL.into_iter().filter(|_| !noise_free) {
+            // The averaged period has no beginning and no end.
+            if against == Against::Time && observation.periodic {
+                continue;
+            }
+            let mut all = Vec::new();
+            for (joint, trace) in traces.iter().enumerate() {
+                for &shape in ResidualShape::ALL.iter().filter(|shape| shape.against() == against) {
+                    all.extend(self.trend(joint, &used[joint], trace, &left, shape));
+                }
+            }
+            tested.push((against, all.len()));
+            trends.extend(strongest(all, n));
+        }
+        trends.sort_by(|a, b| b.share.total_cmp(&a.share));
+        Ok(ResidualTrends { trends, tested, whiteness, traces, noise_free })
+    }
+
+    /// Rows of a joint that are equations.
+    fn used_rows(&self, joint: usize) -> Vec<usize> {
+        let used = &self.observation.used;
+        (joint..used.len()).step_by(self.observation.dof).filter(|&row| used[row]).collect()
     }
 
     fn weighted(&self, x: &DVector<f64>) -> DVector<f64> {
@@ -255,27 +257,37 @@ impl<'a> Tests<'a> {
         DVector::from_fn(x.len(), |row, _| x[row] * self.weights[row % n])
     }
 
+    /// `W β`.
+    fn torque(&self, beta: DVector<f64>) -> DVector<f64> {
+        let w = &self.observation.regressor;
+        let mut torque = DVector::zeros(w.nrows());
+        add_product(w.as_slice(), beta.as_slice(), w.nrows(), torque.as_mut_slice());
+        torque
+    }
+
     /// `x − W (WᵀPW)⁻¹ WᵀP x`, twice, since the normal equations lose digits.
     fn beside_the_model(&self, x: &DVector<f64>) -> DVector<f64> {
-        let w = &self.observation.regressor;
-        let once = |x: &DVector<f64>| x - w * (&self.inverse * w.tr_mul(&self.weighted(x)));
+        let w = self.observation.regressor.as_slice();
+        let seen =
+            |x: &DVector<f64>| transposed_product(w, self.weighted(x).as_slice(), x.len()).column(0).into_owned();
+        let once = |x: &DVector<f64>| x - self.torque(&self.inverse * seen(x));
         once(&once(x))
     }
 
-    /// One shape in one joint; `None` where the model has it or the joint shows nothing of it.
+    /// One shape in the `rows` of one joint, of which the model leaves `left`, r̃; `None` where the model has it or the joint shows nothing of it.
     fn trend(
         &self,
         joint: usize,
-        kind: JointKind,
         rows: &[usize],
         trace: &JointTrace,
+        left: &DVector<f64>,
         shape: ResidualShape,
     ) -> Option<Trend> {
         let (first, last) = (*trace.times.first()?, *trace.times.last()?);
         let length = (last - first).max(f64::MIN_POSITIVE);
         let power = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
         let speed_rms = (power(&trace.velocity) / rows.len() as f64).sqrt();
-        let mut x = DVector::zeros(self.residual.len());
+        let mut x = DVector::zeros(left.len());
         for (k, &row) in rows.iter().enumerate() {
             x[row] = shape.value(&Point {
                 time: (trace.times[k] - first) / length - 0.5,
@@ -295,14 +307,14 @@ impl<'a> Tests<'a> {
         }
         let z = self.weighted(&beside);
         let information = z.dot(&beside);
-        let slope = z.dot(&self.residual) / information;
-        let part = |rows: &[usize]| rows.iter().map(|&row| z[row] * self.residual[row]).sum::<f64>();
+        let slope = z.dot(left) / information;
+        let part = |rows: &[usize]| rows.iter().map(|&row| z[row] * left[row]).sum::<f64>();
         let alike = rows.chunks(rows.len().div_ceil(PARTS)).filter(|rows| part(rows) * slope > 0.0).count();
         if alike < ALIKE_PARTS {
             return None;
         }
         // A shape that is in the residual is no noise: slow ones would pass for a long correlation.
-        let noise = residual_noise(self.observation, &(&self.residual - &beside * slope));
+        let noise = residual_noise(&self.observation, &(left - &beside * slope));
         let columns = DMatrix::from_column_slice(z.len(), 1, z.as_slice());
         let variance = z.dot(&noise.apply(&columns).column(0));
         let (std, freedom) = (variance.max(0.0).sqrt() / information, noise.degrees_of_freedom);
@@ -311,10 +323,10 @@ impl<'a> Tests<'a> {
         if !p_adjusted.is_finite() {
             return None;
         }
-        let own: Vec<f64> = rows.iter().map(|&row| self.residual[row]).collect();
-        let left: Vec<f64> = rows.iter().map(|&row| self.residual[row] - slope * beside[row]).collect();
-        let share = 1.0 - power(&left) / power(&own).max(f64::MIN_POSITIVE);
-        let unit = shape.unit(kind);
+        let own: Vec<f64> = rows.iter().map(|&row| left[row]).collect();
+        let rest: Vec<f64> = rows.iter().map(|&row| left[row] - slope * beside[row]).collect();
+        let share = 1.0 - power(&rest) / power(&own).max(f64::MIN_POSITIVE);
+        let unit = shape.unit(self.kinds[joint]);
         Some(Trend { joint, shape, slope, ci95: [slope - t * std, slope + t * std], unit, p_adjusted, share })
     }
 }
