@@ -159,15 +159,14 @@ impl Information {
         sensitivity.q.fill(0.0);
         sensitivity.qd.fill(0.0);
         sensitivity.qdd.fill(0.0);
-        let mut g = vec![0.0; n * p];
-        for k in 0..count {
+        let weights = |k: usize, g: &mut [f64]| {
             for (i, (joint, slopes)) in self.joints.iter().zip(&slopes).enumerate() {
                 for (&value, &c) in slopes.row(k).iter().zip(&joint.columns) {
                     g[i * p + self.kept[c]] = value;
                 }
             }
-            self.regressor.adjoint(states.sample(k), &g, sensitivity.sample_mut(k));
-        }
+        };
+        self.regressor.adjoint_of_samples(states.arrays(), weights, sensitivity.arrays_mut());
     }
 }
 

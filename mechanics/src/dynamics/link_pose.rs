@@ -100,8 +100,9 @@ impl LinkPose {
         }
     }
 
+    /// The same with all products, which forces need too.
     #[inline(always)]
-    fn in_full<V: Lane>(&self, [x, y]: [V; 2]) -> LanePlacement<V> {
+    pub(crate) fn in_full<V: Lane>(&self, [x, y]: [V; 2]) -> LanePlacement<V> {
         LanePlacement {
             axes: [self.three(0, x, y), self.three(3, x, y), self.three(6, x, y)],
             origin: self.three(9, x, y),

@@ -39,7 +39,6 @@ pub use link_pose::LinkPose;
 pub use model::Dynamics;
 pub use placed_term::PlacedTerm;
 pub use simulable::{TermError, check_simulable};
-pub(crate) use symmetric::Symmetric3;
 pub(crate) use together::{TOGETHER, Together, samples_of};
 pub use torque_difference::TorqueDifference;
 pub use torque_terms::{TermState, TorqueTerms};

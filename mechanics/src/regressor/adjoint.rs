@@ -19,20 +19,45 @@
 //! The cost is that of about four evaluations, for any number of columns. A term that depends on the torque that the
 //! links take, `τ_t = Y_links φ_links`, adds its slope by it, times `φ_links`, to the weights of the links' columns.
 
-use super::body::BodyRegressor;
-use super::body::Weights;
+use pulp::{Arch, Simd, WithSimd};
+
+use super::body::{BodyRegressor, Weights};
 use super::joint_torque::JointTorqueRegressor;
-use crate::dynamics::TermState;
-use crate::spatial::{Force, Motion, Placement};
+use crate::dynamics::{TOGETHER, TermState, Together, samples_of};
+use crate::lanes::{Lane, Wide};
+use crate::linalg::column_products::Line;
+use crate::spatial::{LaneForce, LaneMotion, LanePlacement};
 
 /// What the outward sweep leaves for one link.
 #[derive(Clone, Copy)]
-struct LinkState {
-    placement: Placement,
-    v: Motion,
-    a: Motion,
+struct LinkState<V> {
+    placement: LanePlacement<V>,
+    v: LaneMotion<V>,
+    a: LaneMotion<V>,
     /// `X_k v_{k-1}` and `X_k a_{k-1}`.
-    carried: (Motion, Motion),
+    carried: (LaneMotion<V>, LaneMotion<V>),
+}
+
+/// Room for one pair of sweeps.
+struct Workspace<V> {
+    links: Vec<LinkState<V>>,
+    /// s_ik for i ≤ k, row k of a triangle.
+    axes: Vec<LaneMotion<V>>,
+    s_bar: Vec<LaneForce<V>>,
+}
+
+impl<V: Lane> Workspace<V> {
+    /// For n joints; `zero` says of how many samples.
+    #[inline(always)]
+    fn new(n: usize, zero: V) -> Self {
+        let none = LaneMotion { ang: [zero; 3], lin: [zero; 3] };
+        let placement = LanePlacement { axes: [[zero; 3]; 3], origin: [zero; 3] };
+        Self {
+            links: vec![LinkState { placement, v: none, a: none, carried: (none, none) }; n],
+            axes: vec![none; n * (n + 1) / 2],
+            s_bar: vec![LaneForce::zero(zero); n],
+        }
+    }
 }
 
 impl JointTorqueRegressor {
@@ -62,56 +87,110 @@ impl JointTorqueRegressor {
         let load = self.load_at(q, qd, qdd);
         let state = TermState { q: &q[..n], qd: &qd[..n], qdd: &qdd[..n], load: &load };
         let through_load = self.weights_through_load(&state, g);
-        let link_weights = through_load.as_deref().unwrap_or(g);
-        let mut links = Vec::with_capacity(n);
-        // s_ik for i ≤ k, row k of a triangle.
-        let mut axes: Vec<Motion> = Vec::with_capacity(n * (n + 1) / 2);
-        let (mut v, mut a) = self.base_at_rest();
-        for k in 0..n {
-            let placement = self.poses[k].placement(q[k]);
-            let axis = self.axes[k];
-            let carried = (placement.motion_to_child(&v), placement.motion_to_child(&a));
-            let rate = axis * qd[k];
-            v = carried.0 + rate;
-            a = carried.1 + axis * qdd[k] + v.cross(&rate);
-            links.push(LinkState { placement, v, a, carried });
-            let previous = axes.len() - k;
-            for i in 0..k {
-                axes.push(placement.motion_to_child(&axes[previous + i]));
-            }
-            axes.push(axis);
+        let of_links = through_load.as_deref().unwrap_or(g);
+        self.sweep(
+            &mut Workspace::new(n, 0.0),
+            |k| [q[k], qd[k], qdd[k]],
+            |at| of_links[at],
+            |k, [by_q, by_qd, by_qdd]| {
+                dq[k] += by_q;
+                dqd[k] += by_qd;
+                dqdd[k] += by_qdd;
+            },
+        );
+        self.terms.add_gradient(&state, 10 * n, p, g, [dq, dqd, dqdd, &mut vec![0.0; n]]);
+    }
+
+    /// Adds the gradients of such a sum of each of many samples to `slopes`, several samples at once: bit by bit what [`Self::adjoint`] adds of
+    /// each. `samples` and `slopes` are N × n row-major. `weights(k, g)` writes those of sample k into g, the same places for all samples;
+    /// elsewhere it is zero.
+    ///
+    /// # Panics
+    /// If they are not as long as each other, or not those of whole samples.
+    pub fn adjoint_of_samples(
+        &self,
+        samples: [&[f64]; 3],
+        mut weights: impl FnMut(usize, &mut [f64]),
+        slopes: [&mut [f64]; 3],
+    ) {
+        let n = self.rows();
+        let count = samples_of(n, samples);
+        assert!(slopes.iter().all(|slopes| slopes.len() == n * count), "one place for each slope");
+        if self.links.is_empty() {
+            return Arch::new().dispatch(OfSamples { regressor: self, samples, weights, slopes });
         }
-        let (mut v_bar, mut a_bar) = (Force::zero(), Force::zero());
-        let mut s_bar = vec![Force::zero(); n];
+        let (mut g, [dq, dqd, dqdd]) = (vec![0.0; n * self.cols()], slopes);
+        for k in 0..count {
+            let own = k * n..(k + 1) * n;
+            weights(k, &mut g);
+            let slopes = [&mut dq[own.clone()], &mut dqd[own.clone()], &mut dqdd[own.clone()]];
+            self.adjoint(samples.map(|x| &x[own.clone()]), &g, slopes);
+        }
+    }
+
+    /// Both sweeps over the links. `state` gives coordinate, velocity and acceleration of a joint, `g` the weight at a place of the n × p;
+    /// `put` takes the slopes by the three.
+    #[inline(always)]
+    fn sweep<V: Lane>(
+        &self,
+        Workspace { links, axes, s_bar }: &mut Workspace<V>,
+        state: impl Fn(usize) -> [V; 3],
+        g: impl Fn(usize) -> V,
+        mut put: impl FnMut(usize, [V; 3]),
+    ) {
+        let (n, p) = (self.rows(), self.cols());
+        let zero = state(0)[0].splat(0.0);
+        let (v, a) = self.base_at_rest();
+        let (mut v, mut a) = (LaneMotion::splat(zero, &v), LaneMotion::splat(zero, &a));
+        for k in 0..n {
+            let [q, qd, qdd] = state(k);
+            let placement = self.poses[k].in_full(self.poses[k].turn(q));
+            let axis = LaneMotion::splat(zero, &self.axes[k]);
+            let carried = (placement.motion_to_child(&v), placement.motion_to_child(&a));
+            let rate = axis.times(qd);
+            v = carried.0.plus(&rate);
+            a = carried.1.plus(&axis.times(qdd)).plus(&v.cross(&rate));
+            links[k] = LinkState { placement, v, a, carried };
+            let (before, own) = axes.split_at_mut(k * (k + 1) / 2);
+            let before = &before[before.len() - k..];
+            for i in 0..k {
+                own[i] = placement.motion_to_child(&before[i]);
+            }
+            own[k] = axis;
+        }
+        let (mut v_bar, mut a_bar) = (LaneForce::zero(zero), LaneForce::zero(zero));
+        s_bar.fill(v_bar);
         for k in (0..n).rev() {
             let LinkState { placement, v, a, carried } = &links[k];
+            let qd = state(k)[1];
             let s = &axes[k * (k + 1) / 2..][..=k];
-            let axis = &self.axes[k];
-            let body = BodyRegressor::new(v, a);
-            let mut weights = Weights::default();
+            let axis = LaneMotion::splat(zero, &self.axes[k]);
+            let body = BodyRegressor::in_lanes(v, a);
+            let mut weights = Weights::nothing(zero);
             for i in 0..=k {
-                let row = link_weights[i * p + 10 * k..].first_chunk().expect("a row holds ten columns per link");
-                s_bar[i] += body.wrench(row);
-                weights.add(&s[i], row);
+                let mut row = [zero; 10];
+                for c in 0..10 {
+                    row[c] = g(i * p + 10 * k + c);
+                }
+                s_bar[i] = s_bar[i].plus(&body.wrench_in_lanes(&row));
+                weights.add(&s[i], &row);
             }
             let (by_v, by_a) = body.pull_back(&weights, v);
-            v_bar += by_v;
-            a_bar += by_a;
+            v_bar = v_bar.plus(&by_v);
+            a_bar = a_bar.plus(&by_a);
             // a_k holds v_k × S q̇: δv × S·ā = δv·(S ×* ā).
             let from_rate = axis.cross_force(&a_bar);
-            dqd[k] += axis.dot(&v_bar) + v.dot(&from_rate);
-            dqdd[k] += axis.dot(&a_bar);
-            v_bar += from_rate * qd[k];
-            let mut turn = carried.0.cross_force(&v_bar) + carried.1.cross_force(&a_bar);
+            let (by_qd, by_qdd) = (axis.dot(&v_bar) + v.dot(&from_rate), axis.dot(&a_bar));
+            v_bar = v_bar.plus(&from_rate.times(qd));
+            let mut turn = carried.0.cross_force(&v_bar).plus(&carried.1.cross_force(&a_bar));
             for i in 0..k {
-                turn += s[i].cross_force(&s_bar[i]);
+                turn = turn.plus(&s[i].cross_force(&s_bar[i]));
                 s_bar[i] = placement.force_to_parent(&s_bar[i]);
             }
-            dq[k] -= axis.dot(&turn);
+            put(k, [-axis.dot(&turn), by_qd, by_qdd]);
             v_bar = placement.force_to_parent(&v_bar);
             a_bar = placement.force_to_parent(&a_bar);
         }
-        self.terms.add_gradient(&state, 10 * n, p, g, [dq, dqd, dqdd, &mut vec![0.0; n]]);
     }
 
     /// The torque that the links take (n), where a term depends on it; else empty.
@@ -143,6 +222,72 @@ impl JointTorqueRegressor {
             }
         }
         Some(weights)
+    }
+}
+
+/// Several samples at once.
+struct OfSamples<'a, F> {
+    regressor: &'a JointTorqueRegressor,
+    samples: [&'a [f64]; 3],
+    weights: F,
+    slopes: [&'a mut [f64]; 3],
+}
+
+impl<F: FnMut(usize, &mut [f64])> WithSimd for OfSamples<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { regressor, samples, mut weights, slopes: [dq, dqd, dqdd] } = self;
+        let (n, p) = (regressor.rows(), regressor.cols());
+        let mut state = Together::new(n);
+        let mut work = Workspace::new(n, Wide::new(simd, simd.splat_f64s(0.0)));
+        let (mut g, mut lines, mut found) =
+            (vec![0.0; TOGETHER * n * p], vec![Line::ZERO; n * p], vec![[[0.0; TOGETHER]; 3]; n]);
+        // No term depends on it here.
+        let mut by_load = vec![0.0; n];
+        let all = samples_of(n, samples);
+        for first in (0..all).step_by(TOGETHER) {
+            let count = TOGETHER.min(all - first);
+            state.fill(samples, first, 1, count);
+            for (lane, g) in g.chunks_exact_mut(n * p).enumerate().take(count) {
+                weights(first + lane, g);
+                // Of links that the joint carries.
+                for i in 0..n {
+                    for at in i * p + 10 * i..i * p + 10 * n {
+                        lines[at].0[lane] = g[at];
+                    }
+                }
+            }
+            for vector in 0..TOGETHER / S::F64_LANES {
+                let at = |x: &[f64; TOGETHER]| Wide::new(simd, S::as_simd_f64s(x).0[vector]);
+                regressor.sweep(
+                    &mut work,
+                    #[inline(always)]
+                    |k| [at(&state.q[k]), at(&state.qd[k]), at(&state.qdd[k])],
+                    #[inline(always)]
+                    |place| at(&lines[place].0),
+                    #[inline(always)]
+                    |k, slopes| {
+                        for (to, slope) in found[k].iter_mut().zip(slopes) {
+                            S::as_mut_simd_f64s(to).0[vector] = slope.x;
+                        }
+                    },
+                );
+            }
+            for (lane, g) in g.chunks_exact(n * p).enumerate().take(count) {
+                let own = (first + lane) * n..(first + lane + 1) * n;
+                let slopes = [&mut dq[own.clone()], &mut dqd[own.clone()], &mut dqdd[own.clone()]];
+                for (part, slopes) in slopes.into_iter().enumerate() {
+                    for (slope, found) in slopes.iter_mut().zip(&found) {
+                        *slope += found[part][lane];
+                    }
+                }
+                let [q, qd, qdd] = samples.map(|x| &x[own.clone()]);
+                let slopes = [&mut dq[own.clone()], &mut dqd[own.clone()], &mut dqdd[own], &mut by_load];
+                regressor.terms.add_gradient(&TermState { q, qd, qdd, load: &[] }, 10 * n, p, g, slopes);
+            }
+        }
     }
 }
 
@@ -211,6 +356,43 @@ mod tests {
                     let size = expected.abs().max(10.0);
                     assert!((found[part][j] - expected).abs() < 1e-7 * size, "{} {expected}", found[part][j]);
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn identity_many_samples_have_the_bits_of_each_alone_on_every_width() {
+        let free = Columns::RIGID_ROTOR_FRICTION;
+        for (columns, case) in
+            [free, free.with_term(LOAD_FRICTION)].into_iter().flat_map(|c| cases(c).map(move |case| (c, case)))
+        {
+            let (n, count) = (case.robot.dof(), 11);
+            let regressor = JointTorqueRegressor::with_load(&case.robot, columns, &case.parameters);
+            let mut rng = Seed::new(22).stream("adjoint", n as u64);
+            let draw = |rng: &mut _| chains::random_state(rng, n * count);
+            let (q, qd, qdd) = draw(&mut rng);
+            let states = [&q[..], &qd, &qdd];
+            let weights = |k: usize, g: &mut [f64]| {
+                g.iter_mut().zip(&case.g).for_each(|(to, from)| *to = (k as f64 - 4.5) * from);
+            };
+            let mut expected = [vec![0.25; n * count], vec![0.5; n * count], vec![0.75; n * count]];
+            let [mut wide, mut narrow] = [expected.clone(), expected.clone()];
+            for k in 0..count {
+                let own = k * n..(k + 1) * n;
+                let mut g = case.g.clone();
+                weights(k, &mut g);
+                regressor.adjoint(
+                    states.map(|x| &x[own.clone()]),
+                    &g,
+                    expected.each_mut().map(|x| &mut x[own.clone()]),
+                );
+            }
+            regressor.adjoint_of_samples(states, weights, wide.each_mut().map(Vec::as_mut_slice));
+            assert_eq!(wide, expected);
+            if regressor.links.is_empty() {
+                let slopes = narrow.each_mut().map(Vec::as_mut_slice);
+                Arch::Scalar.dispatch(OfSamples { regressor: &regressor, samples: states, weights, slopes });
+                assert_eq!(narrow, expected);
             }
         }
     }

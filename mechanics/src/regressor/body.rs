@@ -1,10 +1,7 @@
 //! The wrench on one body as a linear function of its ten parameters.
 
-use nalgebra::Vector3;
-
-use crate::dynamics::Symmetric3;
 use crate::lanes::Lane;
-use crate::spatial::{Force, LaneMotion, Motion, cross, sum};
+use crate::spatial::{Force, LaneForce, LaneMotion, Motion, cross, sum};
 
 /// `K(v, a)` with `K φ = I a + v ×* I v`, φ the ten parameters of one body in its frame (Atkeson, An, Hollerbach,
 /// "Estimation of inertial parameters of manipulator loads and links", IJRR 5(3), 1986, eq. 12, angular part first).
@@ -39,22 +36,28 @@ pub struct BodyRegressor<V = f64> {
 }
 
 /// Weights P of the entries of K: rows of the moment, and of the force's first four columns; the rest of K is zero.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Weights {
-    moment: [[f64; 10]; 3],
-    force: [[f64; 4]; 3],
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weights<V> {
+    moment: [[V; 10]; 3],
+    force: [[V; 4]; 3],
 }
 
-impl Weights {
+impl<V: Lane> Weights<V> {
+    /// None yet.
+    #[inline(always)]
+    pub(super) fn nothing(zero: V) -> Self {
+        Self { moment: [[zero; 10]; 3], force: [[zero; 4]; 3] }
+    }
+
     /// Adds `s φᵀ`.
-    #[inline]
-    pub(super) fn add(&mut self, s: &Motion, phi: &[f64; 10]) {
+    #[inline(always)]
+    pub(super) fn add(&mut self, s: &LaneMotion<V>, phi: &[V; 10]) {
         for r in 0..3 {
             for c in 0..10 {
-                self.moment[r][c] += s.ang[r] * phi[c];
+                self.moment[r][c] = self.moment[r][c] + s.ang[r] * phi[c];
             }
             for c in 0..4 {
-                self.force[r][c] += s.lin[r] * phi[c];
+                self.force[r][c] = self.force[r][c] + s.lin[r] * phi[c];
             }
         }
     }
@@ -123,6 +126,52 @@ impl<V: Lane> BodyRegressor<V> {
             y.entry(s, 9),
         ]
     }
+
+    /// `K φ`: the wrenches on bodies with these ten parameters each.
+    #[inline(always)]
+    pub fn wrench_in_lanes(&self, phi: &[V; 10]) -> LaneForce<V> {
+        let mut ang = cross(&[phi[1], phi[2], phi[3]], &self.b);
+        let mut lin = [self.b[0] * phi[0], self.b[1] * phi[0], self.b[2] * phi[0]];
+        for r in 0..3 {
+            let (inertia, moment) = (&self.inertia[r], &self.moment[r]);
+            let mut of_inertia = inertia[0] * phi[4];
+            for c in 1..6 {
+                of_inertia = of_inertia + inertia[c] * phi[4 + c];
+            }
+            ang[r] = ang[r] + of_inertia;
+            lin[r] = lin[r] + (moment[0] * phi[1] + moment[1] * phi[2] + moment[2] * phi[3]);
+        }
+        LaneForce { ang, lin }
+    }
+
+    /// Slopes of `L = Σ_rc P_rc K_rc` with respect to `v` and `a`, where `v` is what this was made with.
+    ///
+    /// K depends on `b`, `α` and `ω` alone, quadratically on the last: `L = b̄·b + ᾱ·α + ωᵀ Q ω`.
+    #[inline(always)]
+    pub(super) fn pull_back(&self, p: &Weights<V>, v: &LaneMotion<V>) -> (LaneForce<V>, LaneForce<V>) {
+        let (n, f) = (&p.moment, &p.force);
+        let two = f[0][0].splat(2.0);
+        let b = [f[0][0] + n[1][3] - n[2][2], f[1][0] + n[2][1] - n[0][3], f[2][0] + n[0][2] - n[1][1]];
+        let dw = [
+            f[2][2] - f[1][3] + n[0][4] + n[1][5] + n[2][6],
+            f[0][3] - f[2][1] + n[0][5] + n[1][7] + n[2][8],
+            f[1][1] - f[0][2] + n[0][6] + n[1][8] + n[2][9],
+        ];
+        let (xx, yy, zz) = (n[2][5] - n[1][6], n[0][8] - n[2][5], n[1][6] - n[0][8]);
+        // Q + Qᵀ.
+        let xx = two * (xx - f[1][2] - f[2][3]);
+        let yy = two * (yy - f[0][1] - f[2][3]);
+        let zz = two * (zz - f[0][1] - f[1][2]);
+        let xy = n[0][6] - n[1][8] - n[2][4] + n[2][7] + f[0][2] + f[1][1];
+        let xz = n[1][4] - n[0][5] - n[1][9] + n[2][8] + f[0][3] + f[2][1];
+        let yz = n[0][9] - n[0][7] + n[1][5] - n[2][6] + f[1][3] + f[2][2];
+        let w = &v.ang;
+        let twice =
+            [xx * w[0] + xy * w[1] + xz * w[2], xy * w[0] + yy * w[1] + yz * w[2], xz * w[0] + yz * w[1] + zz * w[2]];
+        // b = a_lin + ω × v_lin.
+        let by_v = LaneForce { ang: sum(&twice, &cross(&v.lin, &b)), lin: cross(&b, w) };
+        (by_v, LaneForce { ang: dw, lin: b })
+    }
 }
 
 impl BodyRegressor {
@@ -135,37 +184,7 @@ impl BodyRegressor {
     /// `K φ`: the wrench on a body with these ten parameters.
     #[inline]
     pub fn wrench(&self, phi: &[f64; 10]) -> Force {
-        let b = Vector3::from(self.b);
-        let moment = Vector3::new(phi[1], phi[2], phi[3]);
-        let row = |row: &[f64], of: &[f64]| row.iter().zip(of).fold(0.0, |sum, (k, phi)| sum + k * phi);
-        let [x, y, z] = self.inertia.map(|inertia| row(&inertia, &phi[4..]));
-        let [fx, fy, fz] = self.moment.map(|by_moment| row(&by_moment, &phi[1..4]));
-        Force { ang: moment.cross(&b) + Vector3::new(x, y, z), lin: b * phi[0] + Vector3::new(fx, fy, fz) }
-    }
-
-    /// Slopes of `L = Σ_rc P_rc K_rc` with respect to `v` and `a`, where `v` is what this was made with.
-    ///
-    /// K depends on `b`, `α` and `ω` alone, quadratically on the last: `L = b̄·b + ᾱ·α + ωᵀ Q ω`.
-    #[inline]
-    pub(super) fn pull_back(&self, p: &Weights, v: &Motion) -> (Force, Force) {
-        let (n, f) = (&p.moment, &p.force);
-        let b = Vector3::new(f[0][0] + n[1][3] - n[2][2], f[1][0] + n[2][1] - n[0][3], f[2][0] + n[0][2] - n[1][1]);
-        let dw = Vector3::new(
-            f[2][2] - f[1][3] + n[0][4] + n[1][5] + n[2][6],
-            f[0][3] - f[2][1] + n[0][5] + n[1][7] + n[2][8],
-            f[1][1] - f[0][2] + n[0][6] + n[1][8] + n[2][9],
-        );
-        let (xx, yy, zz) = (n[2][5] - n[1][6], n[0][8] - n[2][5], n[1][6] - n[0][8]);
-        let twice = Symmetric3 {
-            xx: 2.0 * (xx - f[1][2] - f[2][3]),
-            yy: 2.0 * (yy - f[0][1] - f[2][3]),
-            zz: 2.0 * (zz - f[0][1] - f[1][2]),
-            xy: n[0][6] - n[1][8] - n[2][4] + n[2][7] + f[0][2] + f[1][1],
-            xz: n[1][4] - n[0][5] - n[1][9] + n[2][8] + f[0][3] + f[2][1],
-            yz: n[0][9] - n[0][7] + n[1][5] - n[2][6] + f[1][3] + f[2][2],
-        };
-        // b = a_lin + ω × v_lin.
-        let by_v = Force { ang: twice.times(&v.ang) + v.lin.cross(&b), lin: b.cross(&v.ang) };
-        (by_v, Force { ang: dw, lin: b })
+        let LaneForce { ang, lin } = self.wrench_in_lanes(phi);
+        Force { ang: ang.into(), lin: lin.into() }
     }
 }

@@ -1,4 +1,5 @@
-//! Motions and placements in lanes: what [`Motion`] and [`Placement`](super::Placement) are for one sample, for several at once.
+//! Motions, forces and placements in lanes: what [`Motion`], [`Force`](super::Force) and [`Placement`](super::Placement) are for one
+//! sample, for several at once, with the same bits.
 
 use super::vectors::Motion;
 use crate::lanes::Lane;
@@ -30,6 +31,15 @@ pub struct LaneMotion<V> {
     /// Angular part.
     pub ang: Three<V>,
     /// Linear part, of the point at the frame's origin.
+    pub lin: Three<V>,
+}
+
+/// A spatial force `(n, f)` of each of several samples.
+#[derive(Clone, Copy, Debug)]
+pub struct LaneForce<V> {
+    /// Moment about the frame's origin.
+    pub ang: Three<V>,
+    /// Force.
     pub lin: Three<V>,
 }
 
@@ -75,6 +85,42 @@ impl<V: Lane> LaneMotion<V> {
         let lin = sum(&cross(&self.ang, &other.lin), &cross(&self.lin, &other.ang));
         Self { ang: cross(&self.ang, &other.ang), lin }
     }
+
+    /// `self ×* force`, as [`Motion::cross_force`].
+    #[inline(always)]
+    pub fn cross_force(&self, force: &LaneForce<V>) -> LaneForce<V> {
+        let ang = sum(&cross(&self.ang, &force.ang), &cross(&self.lin, &force.lin));
+        LaneForce { ang, lin: cross(&self.ang, &force.lin) }
+    }
+
+    /// Power of a force along this motion: `ω·n + v·f`.
+    #[inline(always)]
+    pub fn dot(&self, force: &LaneForce<V>) -> V {
+        dot(&self.ang, &force.ang) + dot(&self.lin, &force.lin)
+    }
+}
+
+impl<V: Lane> LaneForce<V> {
+    /// None.
+    #[inline(always)]
+    pub fn zero(zero: V) -> Self {
+        Self { ang: [zero; 3], lin: [zero; 3] }
+    }
+
+    /// `self + other`.
+    #[inline(always)]
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self { ang: sum(&self.ang, &other.ang), lin: sum(&self.lin, &other.lin) }
+    }
+
+    /// Every number times the sample's factor.
+    #[inline(always)]
+    #[must_use]
+    pub fn times(&self, factor: V) -> Self {
+        let ([x, y, z], [u, v, w]) = (self.ang, self.lin);
+        Self { ang: [x * factor, y * factor, z * factor], lin: [u * factor, v * factor, w * factor] }
+    }
 }
 
 impl<V: Lane> LanePlacement<V> {
@@ -83,6 +129,24 @@ impl<V: Lane> LanePlacement<V> {
     pub fn motion_to_child(&self, motion: &LaneMotion<V>) -> LaneMotion<V> {
         let lin = sum(&motion.lin, &cross(&motion.ang, &self.origin));
         LaneMotion { ang: self.turned(&motion.ang), lin: self.turned(&lin) }
+    }
+
+    /// A force given in the child, expressed in the parent: `f' = R f`, `n' = R n + p × f'`.
+    #[inline(always)]
+    pub fn force_to_parent(&self, force: &LaneForce<V>) -> LaneForce<V> {
+        let lin = self.turned_back(&force.lin);
+        LaneForce { ang: sum(&self.turned_back(&force.ang), &cross(&self.origin, &lin)), lin }
+    }
+
+    /// `R x`.
+    #[inline(always)]
+    fn turned_back(&self, x: &Three<V>) -> Three<V> {
+        let [a, b, c] = &self.axes;
+        [
+            a[0] * x[0] + b[0] * x[1] + c[0] * x[2],
+            a[1] * x[0] + b[1] * x[1] + c[1] * x[2],
+            a[2] * x[0] + b[2] * x[1] + c[2] * x[2],
+        ]
     }
 
     /// `Rᵀ x`.
@@ -110,7 +174,7 @@ impl From<LaneMotion<f64>> for Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spatial::Placement;
+    use crate::spatial::{Force, Placement};
     use nalgebra::Vector3;
 
     #[test]
@@ -132,5 +196,13 @@ mod tests {
         same(wide_a.plus(&wide_b).times(0.5), (a + b) * 0.5);
         same(lanes.motion_to_child(&wide_a), placement.motion_to_child(&a));
         same(LaneMotion::splat(1.0, &a), a);
+        // A force is what it does along motions.
+        let (force, of) = (Force::new(b.lin, a.ang), |f: &Force| LaneForce { ang: f.ang.into(), lin: f.lin.into() });
+        let wide = of(&force);
+        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+        near(wide_a.dot(&wide), a.dot(&force));
+        near(wide_b.dot(&wide_a.cross_force(&wide)), b.dot(&a.cross_force(&force)));
+        near(wide_b.dot(&lanes.force_to_parent(&wide.times(0.5))), b.dot(&placement.force_to_parent(&(force * 0.5))));
+        near(wide_b.dot(&wide.plus(&wide)), b.dot(&(force + force)));
     }
 }

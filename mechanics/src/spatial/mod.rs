@@ -12,7 +12,7 @@ mod placement;
 mod vectors;
 
 pub use inertia::{Inertia, InertiaError, PseudoInertia};
-pub use lane_motion::{LaneMotion, LanePlacement, Three, cross, sum};
+pub use lane_motion::{LaneForce, LaneMotion, LanePlacement, Three, cross, sum};
 pub use log_cholesky::LogCholesky;
 pub use placement::Placement;
 pub use vectors::{Force, Motion};

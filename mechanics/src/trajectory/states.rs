@@ -75,6 +75,11 @@ impl States {
         [self.q(k), self.qd(k), self.qdd(k)]
     }
 
+    /// What [`arrays`](Self::arrays) returns, to write.
+    pub fn arrays_mut(&mut self) -> [&mut [f64]; 3] {
+        [&mut self.q, &mut self.qd, &mut self.qdd]
+    }
+
     /// What [`sample`](Self::sample) returns, to write.
     pub fn sample_mut(&mut self, k: usize) -> [&mut [f64]; 3] {
         let n = self.dof;

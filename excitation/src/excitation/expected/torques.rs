@@ -249,8 +249,7 @@ impl EffectTorques {
     /// Adds the gradient of `Σ u·τ + Σ u_l·τ_l`.
     fn add_adjoint(&self, states: &States, by_torque: &[f64], by_load: &[f64], slopes: &mut States) {
         let (n, p) = (self.regressor.rows(), self.regressor.cols());
-        let mut g = vec![0.0; n * p];
-        for k in 0..self.samples {
+        let weights = |k: usize, g: &mut [f64]| {
             let range = k * n..(k + 1) * n;
             let weights = by_torque[range.clone()].iter().zip(&by_load[range]);
             for (row, (torque, load)) in g.chunks_exact_mut(p).zip(weights) {
@@ -258,8 +257,8 @@ impl EffectTorques {
                     *g = torque * phi + load * link;
                 }
             }
-            self.regressor.adjoint(states.sample(k), &g, slopes.sample_mut(k));
-        }
+        };
+        self.regressor.adjoint_of_samples(states.arrays(), weights, slopes.arrays_mut());
     }
 }
 
