@@ -16,7 +16,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::features::SHARED;
-use crate::linalg::product::{add_product, transposed_product};
+use crate::linalg::product::transposed_product;
 use crate::linalg::{UpperRoot, column_squares, dot, product};
 
 /// Steps at most; a size that still moves then is taken as it stands, which is nearer than any before.
@@ -65,8 +65,8 @@ struct Joint<'a> {
     reduced: &'a ReducedResidual,
     own: Vec<f64>,
     white: f64,
-    /// F_k F_kᵀ, d² × groups, one column each.
-    squares: Vec<f64>,
+    /// The rows and columns of F_k F_kᵀ that are not zero, for each k.
+    squares: Vec<DMatrix<f64>>,
     /// F_k of all k side by side and r.
     columns: DMatrix<f64>,
     /// U⁻¹ of these, at the last step.
@@ -78,8 +78,12 @@ impl<'a> Joint<'a> {
         let (rest, freedom) = (reduced.rest_square, reduced.rest_freedom);
         let white = if freedom > 0.0 { (rest / freedom).max(1.0) } else { 1.0 };
         let own = reduced.visible.iter().map(|visible| visible.max(1e-6)).collect();
-        let square = |group: &DMatrix<f64>| product(group, &group.transpose()).data.into();
-        let squares = reduced.groups.iter().flat_map(|group| -> Vec<f64> { square(group) }).collect();
+        let square = |group: &DMatrix<f64>| {
+            let height = (0..group.nrows()).rev().find(|&row| group.row(row).iter().any(|entry| *entry != 0.0));
+            let part = group.rows(0, height.map_or(0, |last| last + 1)).into_owned();
+            product(&part, &part.transpose())
+        };
+        let squares = reduced.groups.iter().map(square).collect();
         let columns = reduced.columns();
         Self { reduced, own, white, squares, divided: columns.clone(), columns }
     }
@@ -90,13 +94,18 @@ impl<'a> Joint<'a> {
         let reduced = self.reduced;
         let d = reduced.residual.len();
         let mut v = DMatrix::from_diagonal_element(d, d, self.white);
-        let sizes: Vec<f64> = self.own.iter().chain(shared).copied().collect();
-        add_product(&self.squares, &sizes, d * d, v.as_mut_slice());
+        for (square, &size) in self.squares.iter().zip(self.own.iter().chain(shared)) {
+            for (j, column) in square.column_iter().enumerate() {
+                let upper = &mut v.as_mut_slice()[j * d..][..=j];
+                upper.iter_mut().zip(column.iter()).for_each(|(sum, entry)| *sum += size * entry);
+            }
+        }
         let root = UpperRoot::new(v)?;
         self.divided.copy_from(&self.columns);
         root.divide(&mut self.divided);
         let seen_and_traces = self.seen_and_traces();
-        let of_functions: f64 = sizes.iter().zip(&seen_and_traces).map(|(size, [_, trace])| size * trace).sum();
+        let sizes = self.own.iter().chain(shared);
+        let of_functions: f64 = sizes.zip(&seen_and_traces).map(|(size, [_, trace])| size * trace).sum();
         let trace = ((d as f64 - of_functions) / self.white).max(0.0);
         let largest = self.own.iter().fold(0.0_f64, |a, &b| a.max(b));
         let mut change: f64 = 0.0;
