@@ -1,5 +1,5 @@
 //! Motions, forces and placements in lanes: what [`Motion`], [`Force`](super::Force) and [`Placement`](super::Placement) are for one
-//! sample, for several at once, with the same bits.
+//! sample, for several at once.
 
 use super::vectors::Motion;
 use crate::lanes::Lane;
@@ -52,6 +52,31 @@ pub struct LanePlacement<V> {
     pub origin: Three<V>,
 }
 
+/// What motions and forces have in common.
+macro_rules! six_numbers {
+    ($name:ident) => {
+        impl<V: Lane> $name<V> {
+            /// `self + other`.
+            #[inline(always)]
+            #[must_use]
+            pub fn plus(&self, other: &Self) -> Self {
+                Self { ang: sum(&self.ang, &other.ang), lin: sum(&self.lin, &other.lin) }
+            }
+
+            /// Every number times the sample's factor.
+            #[inline(always)]
+            #[must_use]
+            pub fn times(&self, factor: V) -> Self {
+                let ([x, y, z], [u, v, w]) = (self.ang, self.lin);
+                Self { ang: [x * factor, y * factor, z * factor], lin: [u * factor, v * factor, w * factor] }
+            }
+        }
+    };
+}
+
+six_numbers!(LaneMotion);
+six_numbers!(LaneForce);
+
 impl<V: Lane> LaneMotion<V> {
     /// One motion for all samples; `one` says how many there are.
     #[inline(always)]
@@ -61,21 +86,6 @@ impl<V: Lane> LaneMotion<V> {
             ang: [one.splat(ang.x), one.splat(ang.y), one.splat(ang.z)],
             lin: [one.splat(lin.x), one.splat(lin.y), one.splat(lin.z)],
         }
-    }
-
-    /// `self + other`.
-    #[inline(always)]
-    #[must_use]
-    pub fn plus(&self, other: &Self) -> Self {
-        Self { ang: sum(&self.ang, &other.ang), lin: sum(&self.lin, &other.lin) }
-    }
-
-    /// Every number times the sample's factor.
-    #[inline(always)]
-    #[must_use]
-    pub fn times(&self, factor: V) -> Self {
-        let ([x, y, z], [u, v, w]) = (self.ang, self.lin);
-        Self { ang: [x * factor, y * factor, z * factor], lin: [u * factor, v * factor, w * factor] }
     }
 
     /// `self × other`, as [`Motion::cross`].
@@ -105,21 +115,6 @@ impl<V: Lane> LaneForce<V> {
     #[inline(always)]
     pub fn zero(zero: V) -> Self {
         Self { ang: [zero; 3], lin: [zero; 3] }
-    }
-
-    /// `self + other`.
-    #[inline(always)]
-    #[must_use]
-    pub fn plus(&self, other: &Self) -> Self {
-        Self { ang: sum(&self.ang, &other.ang), lin: sum(&self.lin, &other.lin) }
-    }
-
-    /// Every number times the sample's factor.
-    #[inline(always)]
-    #[must_use]
-    pub fn times(&self, factor: V) -> Self {
-        let ([x, y, z], [u, v, w]) = (self.ang, self.lin);
-        Self { ang: [x * factor, y * factor, z * factor], lin: [u * factor, v * factor, w * factor] }
     }
 }
 

@@ -67,9 +67,7 @@ struct Joint<'a> {
     white: f64,
     /// The rows and columns of F_k F_kᵀ that are not zero, for each k.
     squares: Vec<DMatrix<f64>>,
-    /// F_k of all k side by side and r.
-    columns: DMatrix<f64>,
-    /// U⁻¹ of these, at the last step.
+    /// U⁻¹ F_k of all k side by side and U⁻¹ r, at the last step.
     divided: DMatrix<f64>,
 }
 
@@ -84,8 +82,7 @@ impl<'a> Joint<'a> {
             product(&part, &part.transpose())
         };
         let squares = reduced.groups.iter().map(square).collect();
-        let columns = reduced.columns();
-        Self { reduced, own, white, squares, divided: columns.clone(), columns }
+        Self { reduced, own, white, squares, divided: reduced.columns() }
     }
 
     /// A step of its own sizes; adds `‖F_kᵀ V⁻¹ r‖²` and `tr F_kᵀ V⁻¹ F_k` of the shared laws to `sums`. The largest relative
@@ -101,7 +98,7 @@ impl<'a> Joint<'a> {
             }
         }
         let root = UpperRoot::new(v)?;
-        self.divided.copy_from(&self.columns);
+        self.divided = reduced.columns();
         root.divide(&mut self.divided);
         let seen_and_traces = self.seen_and_traces();
         let sizes = self.own.iter().chain(shared);
