@@ -265,11 +265,8 @@ fn filter_friction(
         term.is_some_and(|term| !term.entry().needs.load && term.entry().shapes.iter().any(|shape| shape.smooths))
     };
     for (place, &column) in base.kept.iter().enumerate().filter(|(_, column)| turns(**column)) {
-        let mut rows = regressor.stack_means(&samples.states, &[column], 1).as_slice().to_vec();
-        for i in 0..n {
-            let joint = samples.filtered_as_torque(rows.iter().skip(i).step_by(n).copied().collect())?;
-            rows.iter_mut().skip(i).step_by(n).zip(joint).for_each(|(to, value)| *to = value);
-        }
+        let rows: Vec<f64> = regressor.stack_means(&samples.states, &[column], 1).data.into();
+        let rows = samples.filtered_as_torque(rows, n)?;
         w.set_column(place, &DVector::from_vec(samples.block_means(&rows, n)));
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! Torque prediction by an estimate, and its validation.
 
 use super::error::EstimationError;
-use super::estimate::Estimate;
+use super::estimate::{BaseEstimate, Estimate};
 use super::residual::joint_rms;
 use crate::dynamics::{Dynamics, States};
 use crate::model::{Robot, StandardParameters};
@@ -20,38 +20,58 @@ pub fn predict(
     regressor: &JointTorqueRegressor,
     states: &States,
 ) -> Result<Vec<f64>, EstimationError> {
+    Ok(predict_each(std::slice::from_ref(estimate), regressor, states)?.swap_remove(0))
+}
+
+/// [`predict`] for several estimates that share a regressor, which is evaluated once; each has the bits that it has alone.
+///
+/// # Errors
+/// As [`predict`].
+pub(super) fn predict_each(
+    estimates: &[Estimate],
+    regressor: &JointTorqueRegressor,
+    states: &States,
+) -> Result<Vec<Vec<f64>>, EstimationError> {
     let n = regressor.rows();
     EstimationError::unless_equal("joints of the states", states.dof, n)?;
     let names: Vec<String> = regressor.parameters().iter().map(ToString::to_string).collect();
-    let (mut columns, mut values) = (Vec::new(), Vec::new());
-    for parameter in &estimate.base {
+    let mut columns = Vec::new();
+    // A column's place among those that are evaluated, and the parameter's value.
+    let mut place_of = |parameter: &BaseEstimate| {
         let column = names
             .iter()
             .position(|name| *name == parameter.name)
             .ok_or_else(|| EstimationError::UnknownParameter { parameter: parameter.name.clone() })?;
-        columns.push(column);
-        values.push(parameter.value);
-    }
-    let mut torque = vec![0.0; n * states.len()];
+        let place = columns.iter().position(|own| *own == column).unwrap_or_else(|| {
+            columns.push(column);
+            columns.len() - 1
+        });
+        Ok((place, parameter.value))
+    };
+    let values = |estimate: &Estimate| estimate.base.iter().map(&mut place_of).collect::<Result<Vec<_>, _>>();
+    let values: Vec<Vec<(usize, f64)>> = estimates.iter().map(values).collect::<Result<_, EstimationError>>()?;
+    let mut torques = vec![vec![0.0; n * states.len()]; estimates.len()];
     regressor.stack_in_parts(states, &columns, 1, |part| {
-        for joint in 0..n {
-            let mut sums = [0.0; 8];
-            for (column, value) in values.iter().enumerate() {
-                let entries = part.entries(joint, column);
-                // Of known length where all samples of a part are there.
-                match entries.first_chunk::<8>() {
-                    Some(entries) => sums.iter_mut().zip(entries).for_each(|(sum, entry)| *sum += entry * value),
-                    None => sums.iter_mut().zip(entries).for_each(|(sum, entry)| *sum += entry * value),
+        for (torque, values) in torques.iter_mut().zip(&values) {
+            for joint in 0..n {
+                let mut sums = [0.0; 8];
+                for &(column, value) in values {
+                    let entries = part.entries(joint, column);
+                    // Of known length where all samples of a part are there.
+                    match entries.first_chunk::<8>() {
+                        Some(entries) => sums.iter_mut().zip(entries).for_each(|(sum, entry)| *sum += entry * value),
+                        None => sums.iter_mut().zip(entries).for_each(|(sum, entry)| *sum += entry * value),
+                    }
                 }
+                torque[n * part.first + joint..]
+                    .iter_mut()
+                    .step_by(n)
+                    .zip(&sums[..part.count])
+                    .for_each(|(tau, sum)| *tau = *sum);
             }
-            torque[n * part.first + joint..]
-                .iter_mut()
-                .step_by(n)
-                .zip(&sums[..part.count])
-                .for_each(|(tau, sum)| *tau = *sum);
         }
     });
-    Ok(torque)
+    Ok(torques)
 }
 
 /// A robot with all of its parameters, as a file of it says: what predicts torque without an estimate.

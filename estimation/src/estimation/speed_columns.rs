@@ -179,7 +179,7 @@ impl SpeedColumn {
         let (n, block) = (observation.dof, samples.block);
         let mut rows = DVector::zeros(observation.y.len());
         // The observation has gone through the same filter.
-        let Ok(law) = samples.filtered_as_torque(law) else { return rows };
+        let Ok(law) = samples.filtered_as_torque(law, 1) else { return rows };
         for (k, law) in law.chunks_exact(block).enumerate() {
             let mean = law.iter().sum::<f64>() / block as f64;
             for (j, d) in self.direction.iter().enumerate() {

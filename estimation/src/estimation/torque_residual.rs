@@ -12,7 +12,7 @@
 
 use super::error::EstimationError;
 use super::estimate::Estimate;
-use super::prediction::{Model, predict};
+use super::prediction::{Model, predict, predict_each};
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::{Butterworth, Samples};
 
@@ -99,9 +99,22 @@ impl TorqueResidual {
         parts: &[Samples],
         bandwidth_hz: f64,
     ) -> Result<Self, EstimationError> {
+        Ok(Self::of_each(std::slice::from_ref(estimate), regressor, parts, bandwidth_hz)?.swap_remove(0))
+    }
+
+    /// [`Self::new`] of several estimates that share a regressor, which is evaluated once.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of_each(
+        estimates: &[Estimate],
+        regressor: &JointTorqueRegressor,
+        parts: &[Samples],
+        bandwidth_hz: f64,
+    ) -> Result<Vec<Self>, EstimationError> {
         let predicted: Result<Vec<_>, _> =
-            parts.iter().map(|part| predict(estimate, regressor, &part.states)).collect();
-        Self::of_predicted(&predicted?, parts, bandwidth_hz)
+            parts.iter().map(|part| predict_each(estimates, regressor, &part.states)).collect();
+        Self::of_predicted(&predicted?, estimates.len(), parts, bandwidth_hz)
     }
 
     /// The residual of a model, a robot with all of its parameters, whose torque is its inverse dynamics.
@@ -109,16 +122,23 @@ impl TorqueResidual {
     /// # Errors
     /// [`EstimationError::Count`] where the samples are of another arm, [`EstimationError::Signal`] as above.
     pub fn of_model(model: &Model<'_>, parts: &[Samples], bandwidth_hz: f64) -> Result<Self, EstimationError> {
-        let predicted: Result<Vec<_>, _> = parts.iter().map(|part| model.predict(&part.states)).collect();
-        Self::of_predicted(&predicted?, parts, bandwidth_hz)
+        let predicted: Result<Vec<_>, _> =
+            parts.iter().map(|part| model.predict(&part.states).map(|one| vec![one])).collect();
+        Ok(Self::of_predicted(&predicted?, 1, parts, bandwidth_hz)?.swap_remove(0))
     }
 
-    fn of_predicted(predicted: &[Vec<f64>], parts: &[Samples], bandwidth_hz: f64) -> Result<Self, EstimationError> {
+    /// Of `count` predictions of each part.
+    fn of_predicted(
+        predicted: &[Vec<Vec<f64>>],
+        count: usize,
+        parts: &[Samples],
+        bandwidth_hz: f64,
+    ) -> Result<Vec<Self>, EstimationError> {
         let n = parts.first().map_or(0, Samples::dof);
         let bandwidth_hz = parts.iter().fold(bandwidth_hz, |band, part| band.min(LARGEST_PART * part.rate_hz));
-        let (mut used, mut all) = (Sums::new(n), Sums::new(n));
+        let mut sums: Vec<[Sums; 2]> = (0..count).map(|_| [Sums::new(n), Sums::new(n)]).collect();
         for (samples, predicted) in parts.iter().zip(predicted) {
-            let series = TorqueSeries::of_predicted(predicted, samples, bandwidth_hz)?;
+            let measured = low_passed(samples, &samples.tau, bandwidth_hz)?;
             // A joint without an equation and without torque was not measured.
             let of = |i: usize| (samples.tau.iter().skip(i).step_by(n), samples.used.iter().skip(i).step_by(n));
             let is_measured: Vec<bool> = (0..n)
@@ -127,20 +147,23 @@ impl TorqueResidual {
                     tau.any(|tau| *tau != 0.0) || used.any(|used| *used)
                 })
                 .collect();
-            for (at, (measured, predicted)) in series.measured.iter().zip(&series.predicted).enumerate() {
-                let (k, i) = (at / n, at % n);
-                if !is_measured[i] {
-                    continue;
-                }
-                let residual = measured - predicted;
-                all.add(i, residual, *measured);
-                if samples.used.get(k / samples.block * n + i).is_some_and(|used| *used) {
-                    used.add(i, residual, *measured);
+            for ([used, all], predicted) in sums.iter_mut().zip(predicted) {
+                let predicted = low_passed(samples, predicted, bandwidth_hz)?;
+                for (k, (measured, predicted)) in measured.chunks_exact(n).zip(predicted.chunks_exact(n)).enumerate() {
+                    let equations = samples.used.get(k / samples.block * n..(k / samples.block + 1) * n);
+                    for i in (0..n).filter(|&i| is_measured[i]) {
+                        let residual = measured[i] - predicted[i];
+                        all.add(i, residual, measured[i]);
+                        if equations.is_some_and(|used| used[i]) {
+                            used.add(i, residual, measured[i]);
+                        }
+                    }
                 }
             }
         }
         let one_unit = parts.iter().all(|part| part.units.iter().all(|unit| *unit == parts[0].units[0]));
-        Ok(Self { bandwidth_hz, used: used.shares(one_unit), all: all.shares(one_unit) })
+        let of = |[used, all]: [Sums; 2]| Self { bandwidth_hz, used: used.shares(one_unit), all: all.shares(one_unit) };
+        Ok(sums.into_iter().map(of).collect())
     }
 }
 
@@ -155,27 +178,18 @@ impl TorqueSeries {
         samples: &Samples,
         bandwidth_hz: f64,
     ) -> Result<Self, EstimationError> {
-        Self::of_predicted(&predict(estimate, regressor, &samples.states)?, samples, bandwidth_hz)
+        let predicted = predict(estimate, regressor, &samples.states)?;
+        let low_passed = |torque: &[f64]| low_passed(samples, torque, bandwidth_hz);
+        Ok(Self { measured: low_passed(&samples.tau)?, predicted: low_passed(&predicted)? })
     }
+}
 
-    fn of_predicted(predicted: &[f64], samples: &Samples, bandwidth_hz: f64) -> Result<Self, EstimationError> {
-        let (n, is_periodic) = (samples.dof(), samples.period_s.is_some());
-        let filter = Butterworth::new(4, bandwidth_hz, samples.rate_hz)?;
-        let low_pass = |rows: &[f64]| -> Vec<f64> {
-            let mut out = vec![0.0; rows.len()];
-            for i in 0..n {
-                let column: Vec<f64> = rows.iter().skip(i).step_by(n).copied().collect();
-                let filtered = if is_periodic {
-                    filter.zero_phase_periodic(&column)
-                } else {
-                    filter.zero_phase_reflected(&column)
-                };
-                out.iter_mut().skip(i).step_by(n).zip(filtered).for_each(|(to, value)| *to = value);
-            }
-            out
-        };
-        Ok(Self { measured: low_pass(&samples.tau), predicted: low_pass(predicted) })
-    }
+/// Torque of the samples, N × n, below a cut-off.
+fn low_passed(samples: &Samples, torque: &[f64], bandwidth_hz: f64) -> Result<Vec<f64>, EstimationError> {
+    let filter = Butterworth::new(4, bandwidth_hz, samples.rate_hz)?;
+    let is_periodic = samples.period_s.is_some();
+    let (filter, n) = (&filter, samples.dof());
+    Ok(if is_periodic { filter.zero_phase_periodic(torque, n) } else { filter.zero_phase_reflected(torque, n) })
 }
 
 #[cfg(test)]
@@ -230,5 +244,21 @@ mod tests {
                 / found.all.measured_rms.iter().map(|r| r * r).sum::<f64>();
             assert!((total - by_hand.sqrt()).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn identity_estimates_together_leave_the_residual_that_each_leaves_alone() {
+        let (robot, samples) = samples(5.0, 0.2);
+        let identification = Identification::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
+        // The last leaves parameters out.
+        let kinds = [EstimatorKind::Ols, EstimatorKind::IrlsHuber, EstimatorKind::Essential];
+        let estimate = |kind: &EstimatorKind| identification.estimate(&samples, kind.estimator()).unwrap();
+        let estimates: Vec<_> = kinds.iter().map(estimate).collect();
+        let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
+        let parts = [samples.clone(), samples];
+        let alone = |one| TorqueResidual::new(one, &regressor, &parts, 20.0).unwrap();
+        let alone: Vec<_> = estimates.iter().map(alone).collect();
+        assert_eq!(TorqueResidual::of_each(&estimates, &regressor, &parts, 20.0).unwrap(), alone);
+        assert_ne!(alone[0], alone[1]);
     }
 }

@@ -7,7 +7,7 @@ use armid::estimation::{
     BaseEstimate, Estimate, EstimationError, Identification, Model, ResidualTests, ResidualTrends, TorqueResidual,
     TorqueSeries, Validation, predict,
 };
-use armid::model::{Columns, Robot};
+use armid::model::Columns;
 use armid::regressor::JointTorqueRegressor;
 use armid::remedy::{Remedy, Setting, Task};
 use armid::signal::Samples;
@@ -27,6 +27,11 @@ pub struct LogResidual {
 /// An error of an estimate or of a model that is called `name`.
 fn named(name: &str) -> impl Fn(EstimationError) -> Error {
     move |error| Error::mismatch(format!("{name}: {error}"))
+}
+
+/// Neighbours of the same columns with the same shape parameters.
+fn alike(estimates: &[Estimate]) -> impl Iterator<Item = &[Estimate]> {
+    estimates.chunk_by(|a, b| (&a.robot, &a.columns, &a.shape) == (&b.robot, &b.columns, &b.shape))
 }
 
 /// What base parameters stand for.
@@ -86,8 +91,27 @@ impl ProcessedLog {
     /// # Errors
     /// As [`Self::validate`].
     pub fn residual(&self, estimate: &Estimate, name: &str) -> Result<LogResidual, Error> {
-        let (regressor, hz) = (self.regressor_of(estimate, name)?, self.settings.bandwidth_hz);
-        self.in_both(|parts| TorqueResidual::new(estimate, &regressor, parts, hz).map_err(named(name)))
+        Ok(self.residuals(std::slice::from_ref(estimate), name)?.swap_remove(0))
+    }
+
+    /// [`Self::residual`] of each estimate. Neighbours that share a regressor evaluate it once.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn residuals(&self, estimates: &[Estimate], name: &str) -> Result<Vec<LogResidual>, Error> {
+        let hz = self.settings.bandwidth_hz;
+        let mut all = Vec::with_capacity(estimates.len());
+        for group in alike(estimates) {
+            // Columns that need the load have that of each estimate.
+            let together = if self.regressor_of(&group[0], name)?.needs_load() { 1 } else { group.len() };
+            for group in group.chunks(together) {
+                let regressor = self.regressor_of(&group[0], name)?;
+                all.extend(
+                    self.in_both(|parts| TorqueResidual::of_each(group, &regressor, parts, hz).map_err(named(name)))?,
+                );
+            }
+        }
+        Ok(all)
     }
 
     /// Torque left unexplained by a model that was read from a file, which errors call `name`.
@@ -95,12 +119,23 @@ impl ProcessedLog {
     /// # Errors
     /// [`Error`] where it is of another arm.
     pub fn model_residual(&self, model: &Model<'_>, name: &str) -> Result<LogResidual, Error> {
-        self.in_both(|parts| TorqueResidual::of_model(model, parts, self.settings.bandwidth_hz).map_err(named(name)))
+        let hz = self.settings.bandwidth_hz;
+        let of =
+            |parts: &[Samples]| TorqueResidual::of_model(model, parts, hz).map(|one| vec![one]).map_err(named(name));
+        Ok(self.in_both(of)?.swap_remove(0))
     }
 
-    fn in_both(&self, of: impl Fn(&[Samples]) -> Result<TorqueResidual, Error>) -> Result<LogResidual, Error> {
-        let held_out = if self.held_out.is_empty() { None } else { Some(of(&self.held_out)?) };
-        Ok(LogResidual { used: of(&self.parts)?, held_out })
+    fn in_both(
+        &self,
+        of: impl Fn(&[Samples]) -> Result<Vec<TorqueResidual>, Error>,
+    ) -> Result<Vec<LogResidual>, Error> {
+        let used = of(&self.parts)?;
+        let held_out = if self.held_out.is_empty() {
+            vec![None; used.len()]
+        } else {
+            of(&self.held_out)?.into_iter().map(Some).collect()
+        };
+        Ok(used.into_iter().zip(held_out).map(|(used, held_out)| LogResidual { used, held_out }).collect())
     }
 
     /// Measured and predicted torque of each log, and of what is held out, below the bandwidth of the settings.
@@ -132,28 +167,24 @@ impl ProcessedLog {
         found.map(Some).map_err(|error| Error::new(format!("{}: {error}", self.name())))
     }
 
-    /// What the residual of each estimate shows on the equations that it was made from. Estimates of the same robot share their tests.
+    /// What the residual of each estimate shows on the equations that it was made from. Neighbours that share these share their tests.
     ///
     /// # Errors
-    /// Of each as of [`Self::validate`].
-    pub fn residual_trends(&self, estimates: &[Estimate], name: &str) -> Vec<Result<ResidualTrends, Error>> {
-        let mut last: Option<(Robot, Columns, ResidualTests)> = None;
-        let of = |estimate: &Estimate| {
-            let columns = self.columns_of(estimate, name)?;
-            let robot = estimate.robot(&self.robot.robot, columns).map_err(named(name))?;
-            let tests = match last.take() {
-                Some((of, at, tests)) if of == robot && at == columns => tests,
-                _ => self.residual_tests(&robot, columns).map_err(|error| self.unestimated(&error))?,
-            };
-            let (_, _, tests) = last.insert((robot, columns, tests));
-            tests.trends(&self.samples, estimate).map_err(named(name))
+    /// As [`Self::validate`].
+    pub fn residual_trends(&self, estimates: &[Estimate], name: &str) -> Result<Vec<ResidualTrends>, Error> {
+        let of_alike = |estimates: &[Estimate]| {
+            let tests = self.residual_tests(&estimates[0], name)?;
+            tests.trends(&self.samples, estimates).map_err(named(name))
         };
-        estimates.iter().map(of).collect()
+        Ok(alike(estimates).map(of_alike).collect::<Result<Vec<_>, _>>()?.concat())
     }
 
-    fn residual_tests(&self, robot: &Robot, columns: Columns) -> Result<ResidualTests, EstimationError> {
-        let observation = self.identification_of(robot, columns)?.observation(&self.samples)?;
-        ResidualTests::new(robot, observation)
+    fn residual_tests(&self, estimate: &Estimate, name: &str) -> Result<ResidualTests, Error> {
+        let columns = self.columns_of(estimate, name)?;
+        let robot = estimate.robot(&self.robot.robot, columns).map_err(named(name))?;
+        let observation = self.identification_of(&robot, columns).and_then(|of| of.observation(&self.samples));
+        let tests = observation.and_then(|observation| ResidualTests::new(&robot, observation));
+        tests.map_err(|error| self.unestimated(&error))
     }
 
     /// What each base parameter of an estimate stands for, in its order.

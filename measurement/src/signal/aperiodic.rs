@@ -15,10 +15,11 @@
 use std::ops::Range;
 
 use super::butterworth::Butterworth;
+use super::columns::{column, put_column};
 use super::cutoff::find_cutoff;
 use super::differences::differences;
 use super::error::{SignalError, check_finite, refused};
-use super::periodic::{column, effort_units, put_column, used_blocks};
+use super::periodic::{effort_units, used_blocks};
 use super::processing::{Derivatives, Processing, TorqueFilter};
 use super::samples::Samples;
 use super::torque::{map_rows, torque_map};
@@ -172,20 +173,24 @@ pub fn process_aperiodic(
     let mut kept: Vec<Range<usize>> = Vec::new();
     for (first, count) in spans {
         let rows = first * n..(first + count) * n;
+        let step = 1.0 / record.rate_hz;
+        states.q[rows.clone()].copy_from_slice(&filter.zero_phase_reflected(&record.q[rows.clone()], n));
+        if let Some(measured) = record.qd {
+            states.qd[rows.clone()].copy_from_slice(&filter.zero_phase_reflected(&measured[rows.clone()], n));
+        }
         for i in 0..n {
-            let q = filter.zero_phase_reflected(&column(&record.q[rows.clone()], n, i));
-            let (mut qd, mut qdd) = differences(&q, 1.0 / record.rate_hz);
-            if let Some(measured) = record.qd {
-                qd = filter.zero_phase_reflected(&column(&measured[rows.clone()], n, i));
-                (qdd, _) = differences(&qd, 1.0 / record.rate_hz);
+            if record.qd.is_some() {
+                let (qdd, _) = differences(&column(&states.qd[rows.clone()], n, i), step);
+                put_column(&mut states.qdd[rows.clone()], n, i, &qdd);
+            } else {
+                let (qd, qdd) = differences(&column(&states.q[rows.clone()], n, i), step);
+                put_column(&mut states.qd[rows.clone()], n, i, &qd);
+                put_column(&mut states.qdd[rows.clone()], n, i, &qdd);
             }
-            put_column(&mut states.q[rows.clone()], n, i, &q);
-            put_column(&mut states.qd[rows.clone()], n, i, &qd);
-            put_column(&mut states.qdd[rows.clone()], n, i, &qdd);
-            if same {
-                let filtered = filter.zero_phase_reflected(&column(&tau[rows.clone()], n, i));
-                put_column(&mut tau[rows.clone()], n, i, &filtered);
-            }
+        }
+        if same {
+            let filtered = filter.zero_phase_reflected(&tau[rows.clone()], n);
+            tau[rows].copy_from_slice(&filtered);
         }
         kept.push(first..first + count - if record.segments.len() > 1 { count % block } else { 0 });
     }
@@ -258,7 +263,7 @@ mod tests {
         let cutoff_hz = 5.0;
         let filter = Butterworth::new(Processing::default().filter_order, cutoff_hz, RATE_HZ).unwrap();
         let step: Vec<f64> = (0..COUNT).map(|k| if k < COUNT / 2 { 0.0 } else { 1.0 }).collect();
-        let filtered = filter.zero_phase_reflected(&step);
+        let filtered = filter.zero_phase_reflected(&step, 1);
         let cycles = Processing::default().reversal_cycles;
         let reach = (cycles / cutoff_hz * RATE_HZ).ceil() as usize;
         let lost = |k: &usize| (step[*k] - filtered[*k]).abs();

@@ -27,7 +27,7 @@ struct Section {
 /// use armid::signal::Butterworth;
 /// let filter = Butterworth::new(4, 10.0, 1000.0)?;
 /// assert!((filter.power_gain(10.0) - 0.5).abs() < 1e-12);
-/// let constant = filter.zero_phase_periodic(&[3.0; 50]);
+/// let constant = filter.zero_phase_periodic(&[3.0; 50], 1);
 /// assert!(constant.iter().all(|y| (y - 3.0).abs() < 1e-10));
 /// # Ok::<(), armid::signal::SignalError>(())
 /// ```
@@ -80,30 +80,34 @@ impl Butterworth {
         1.0 / (1.0 + libm::pow(ratio * ratio, self.order as f64))
     }
 
-    /// Both passes over one period of a periodic signal, in the steady state.
-    pub fn zero_phase_periodic(&self, x: &[f64]) -> Vec<f64> {
+    /// Both passes over one period of periodic signals, in the steady state. Each of the `n` columns of `x`, row-major, is a signal.
+    pub fn zero_phase_periodic(&self, x: &[f64], n: usize) -> Vec<f64> {
         let mut y = x.to_vec();
-        for _ in 0..2 {
-            y = self.steady_pass(&y);
-            y.reverse();
+        // The transient of a start from rest falls below the last bit before the period begins.
+        let start = Start::After(self.settling_samples(1e-18));
+        for backwards in [false, true] {
+            self.pass(&mut y, n, backwards, start);
         }
         y
     }
 
-    /// Both passes over a signal that is not periodic; its ends are continued by point reflection, `2x₀ − x[k]`.
-    pub fn zero_phase_reflected(&self, x: &[f64]) -> Vec<f64> {
-        let (Some(&first), Some(&last)) = (x.first(), x.last()) else { return Vec::new() };
+    /// Both passes over signals that are not periodic, as above; their ends are continued by point reflection, `2x₀ − x[k]`.
+    pub fn zero_phase_reflected(&self, x: &[f64], n: usize) -> Vec<f64> {
+        let Some(last) = (x.len() / n).checked_sub(1) else { return Vec::new() };
         // A transient of 1e-6 of the step at the ends is below what any sensor resolves.
-        let pad = self.settling_samples(1e-6).min(x.len() - 1);
-        let mut y = Vec::with_capacity(x.len() + 2 * pad);
-        y.extend((1..=pad).rev().map(|k| 2.0 * first - x[k]));
+        let pad = self.settling_samples(1e-6).min(last);
+        let row = |k: usize| &x[k * n..(k + 1) * n];
+        let reflected = |at: usize, k: usize| row(at).iter().zip(row(k)).map(|(end, x)| 2.0 * end - x);
+        let mut y = Vec::with_capacity(x.len() + 2 * pad * n);
+        y.extend((1..=pad).rev().flat_map(|k| reflected(0, k)));
         y.extend_from_slice(x);
-        y.extend((1..=pad).map(|k| 2.0 * last - x[x.len() - 1 - k]));
-        for _ in 0..2 {
-            self.pass_from_rest(&mut y);
-            y.reverse();
+        y.extend((1..=pad).flat_map(|k| reflected(last, last - k)));
+        for backwards in [false, true] {
+            self.pass(&mut y, n, backwards, Start::Constant);
         }
-        y[pad..pad + x.len()].to_vec()
+        y.truncate(pad * n + x.len());
+        y.drain(..pad * n);
+        y
     }
 
     /// Samples after which a transient has fallen to `level` of its start.
@@ -111,42 +115,88 @@ impl Butterworth {
         (libm::log(level) / libm::log(self.radius)).ceil().max(1.0) as usize
     }
 
-    fn steady_pass(&self, x: &[f64]) -> Vec<f64> {
-        let n = x.len();
-        if n == 0 {
-            return Vec::new();
-        }
-        let mut state = vec![[0.0; 2]; self.sections.len()];
-        // The transient of a start from rest falls below the last bit before the period begins.
-        let lead = self.settling_samples(1e-18);
-        let begin = (n - lead % n) % n;
-        for k in 0..lead {
-            self.step(x[(begin + k) % n], &mut state);
-        }
-        x.iter().map(|&x| self.step(x, &mut state)).collect()
-    }
-
-    fn pass_from_rest(&self, x: &mut [f64]) {
-        let first = x[0];
-        // The state in which a constant input `first` gives itself as output.
-        let mut state: Vec<[f64; 2]> =
-            self.sections.iter().map(|s| [(1.0 - s.b[0]) * first, (s.b[2] - s.a[1]) * first]).collect();
-        for value in x {
-            *value = self.step(*value, &mut state);
+    /// One pass over all columns, several side by side: a sample waits for the one before it, and other signals fill the time.
+    fn pass(&self, y: &mut [f64], n: usize, backwards: bool, start: Start) {
+        for first in (0..n).step_by(8) {
+            let place = Place { n, first, rows: y.len() / n, backwards };
+            match n - first {
+                1 => self.pass_of::<1>(y, place, start),
+                2 => self.pass_of::<2>(y, place, start),
+                3 => self.pass_of::<3>(y, place, start),
+                4 => self.pass_of::<4>(y, place, start),
+                5 => self.pass_of::<5>(y, place, start),
+                6 => self.pass_of::<6>(y, place, start),
+                7 => self.pass_of::<7>(y, place, start),
+                _ => self.pass_of::<8>(y, place, start),
+            }
         }
     }
 
-    /// One sample through all sections, transposed direct form II.
-    #[inline]
-    fn step(&self, x: f64, state: &mut [[f64; 2]]) -> f64 {
-        let mut value = x;
-        for (section, state) in self.sections.iter().zip(state) {
-            let y = section.b[0] * value + state[0];
-            state[0] = section.b[1] * value - section.a[0] * y + state[1];
-            state[1] = section.b[2] * value - section.a[1] * y;
-            value = y;
+    fn pass_of<const L: usize>(&self, y: &mut [f64], place: Place, start: Start) {
+        let rows = place.rows;
+        if rows == 0 {
+            return;
+        }
+        let mut state = vec![[[0.0; L]; 2]; self.sections.len()];
+        match start {
+            Start::After(lead) => {
+                let begin = (rows - lead % rows) % rows;
+                for k in 0..lead {
+                    self.step(place.of((begin + k) % rows, y), &mut state);
+                }
+            }
+            Start::Constant => {
+                let first: [f64; L] = *place.of(0, y);
+                for (s, state) in self.sections.iter().zip(&mut state) {
+                    *state = [1.0 - s.b[0], s.b[2] - s.a[1]].map(|size| first.map(|x| size * x));
+                }
+            }
+        }
+        for k in 0..rows {
+            let at = place.of(k, y);
+            *at = self.step(at, &mut state);
+        }
+    }
+
+    /// One sample of each signal through all sections, transposed direct form II.
+    #[inline(always)]
+    fn step<const L: usize>(&self, x: &[f64; L], state: &mut [[[f64; L]; 2]]) -> [f64; L] {
+        let mut value = *x;
+        for (section, [first, second]) in self.sections.iter().zip(state) {
+            for l in 0..L {
+                let y = section.b[0] * value[l] + first[l];
+                first[l] = section.b[1] * value[l] - section.a[0] * y + second[l];
+                second[l] = section.b[2] * value[l] - section.a[1] * y;
+                value[l] = y;
+            }
         }
         value
+    }
+}
+
+/// What a pass begins with.
+#[derive(Clone, Copy)]
+enum Start {
+    /// The state after so many samples before the first, of a period.
+    After(usize),
+    /// The state in which a constant input, the first sample, gives itself as output.
+    Constant,
+}
+
+/// Columns from `first` on of a table n wide, whose rows are counted from its end where `backwards`.
+#[derive(Clone, Copy)]
+struct Place {
+    n: usize,
+    first: usize,
+    rows: usize,
+    backwards: bool,
+}
+
+impl Place {
+    #[inline(always)]
+    fn of<const L: usize>(self, k: usize, y: &mut [f64]) -> &mut [f64; L] {
+        let row = if self.backwards { self.rows - 1 - k } else { k };
+        y[row * self.n + self.first..].first_chunk_mut().expect("columns of the table")
     }
 }
 
@@ -163,7 +213,7 @@ mod tests {
 
     /// Amplitude gain of both passes on a tone of `cycles` per period of n samples.
     fn gain(filter: &Butterworth, n: usize, cycles: usize) -> f64 {
-        let y = filter.zero_phase_periodic(&tone(n, cycles as f64));
+        let y = filter.zero_phase_periodic(&tone(n, cycles as f64), 1);
         let spectrum = FourierTransform::new(n).forward_real(&y);
         assert!(spectrum[cycles].im.abs() < 1e-10 * n as f64, "zero phase");
         2.0 * spectrum[cycles].re / n as f64
@@ -215,7 +265,7 @@ mod tests {
         let filter = Butterworth::new(4, 3.0, 100.0).unwrap();
         let transform = FourierTransform::new(n);
         let before = transform.forward_real(&x);
-        let after = transform.forward_real(&filter.zero_phase_periodic(&x));
+        let after = transform.forward_real(&filter.zero_phase_periodic(&x, 1));
         for h in 0..=n / 2 {
             let expected = before[h] * filter.power_gain(h as f64 * 100.0 / n as f64);
             assert!((after[h] - expected).norm() < 1e-10, "line {h}");
@@ -226,16 +276,34 @@ mod tests {
     fn identity_reflected_ends_keep_a_straight_line_and_agree_with_the_period_inside() {
         let filter = Butterworth::new(4, 10.0, 1000.0).unwrap();
         let line: Vec<f64> = (0..2000).map(|k| 1.0 + 0.01 * f64::from(k)).collect();
-        for (y, x) in filter.zero_phase_reflected(&line).iter().zip(&line) {
+        for (y, x) in filter.zero_phase_reflected(&line, 1).iter().zip(&line) {
             assert!((y - x).abs() < 1e-5, "a line passes: {y} for {x}");
         }
         let x = tone(4000, 3.0);
-        let (periodic, reflected) = (filter.zero_phase_periodic(&x), filter.zero_phase_reflected(&x));
+        let (periodic, reflected) = (filter.zero_phase_periodic(&x, 1), filter.zero_phase_reflected(&x, 1));
         for k in 1000..3000 {
             assert!((periodic[k] - reflected[k]).abs() < 1e-6);
         }
-        assert_eq!(filter.zero_phase_reflected(&[]), Vec::<f64>::new());
-        assert_eq!(filter.zero_phase_reflected(&[2.0]).len(), 1);
+        assert_eq!(filter.zero_phase_reflected(&[], 1), Vec::<f64>::new());
+        assert_eq!(filter.zero_phase_reflected(&[2.0], 1).len(), 1);
+    }
+
+    #[test]
+    fn identity_signals_side_by_side_have_the_bits_that_each_has_alone() {
+        let mut rng = Seed::new(5).stream("butterworth", 0);
+        for (n, order) in (1..=9).map(|n| (n, n)) {
+            let rows = 40 * n + 3;
+            let table: Vec<f64> = (0..rows * n).map(|_| rng.random_range(-1.0..1.0)).collect();
+            let filter = Butterworth::new(order, 7.0, 100.0).unwrap();
+            let together = [filter.zero_phase_periodic(&table, n), filter.zero_phase_reflected(&table, n)];
+            for i in 0..n {
+                let own: Vec<f64> = table.iter().skip(i).step_by(n).copied().collect();
+                let alone = [filter.zero_phase_periodic(&own, 1), filter.zero_phase_reflected(&own, 1)];
+                for (together, alone) in together.iter().zip(alone) {
+                    assert!(together.iter().skip(i).step_by(n).eq(&alone), "column {i} of {n}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -1,11 +1,11 @@
 //! States for torque that is differentiated further.
 
 use super::butterworth::Butterworth;
+use super::columns::{column, put_motion};
 use super::cutoff::find_motion_band;
 use super::error::SignalError;
 use super::fourier_transform::FourierTransform;
 use super::harmonics::HarmonicSeries;
-use super::periodic::{column, put_column, put_motion};
 use super::samples::Samples;
 use crate::dynamics::States;
 
@@ -51,10 +51,7 @@ impl Samples {
         let filter = Butterworth::new(self.torque_filter_order, cutoff_hz, self.rate_hz)?;
         let mut calm = self.states.clone();
         for table in [&mut calm.q, &mut calm.qd, &mut calm.qdd] {
-            for i in 0..n {
-                let own = filter.zero_phase_reflected(&column(table, n, i));
-                put_column(table, n, i, &own);
-            }
+            *table = filter.zero_phase_reflected(table, n);
         }
         Ok(calm)
     }
@@ -90,7 +87,7 @@ mod tests {
                 libm::sin(w * f64::from(k) / rate_hz) + 1e-4 * z
             })
             .collect();
-        let q = low.zero_phase_reflected(&noisy);
+        let q = low.zero_phase_reflected(&noisy, 1);
         let (qd, qdd) = differences(&q, 1.0 / rate_hz);
         let len = q.len();
         let samples = Samples {

@@ -11,9 +11,9 @@
 //! The cut-off is at least 10 Hz, since below it little noise is won. No record shows more than a quarter of its rate: the rule takes all
 //! above it for noise. A Hann window keeps the ends of the record out of the spectrum.
 
+use super::columns::column;
 use super::fourier_transform::{FourierTransform, smooth_length};
 use super::harmonics::HarmonicSeries;
-use super::periodic::column;
 
 /// Power of the motion over that of the noise at the cut-off.
 const ABOVE_NOISE: f64 = 20.0;
@@ -49,15 +49,22 @@ fn last_hz(rows: &[f64], dof: usize, rate_hz: f64, last: impl Fn(&HarmonicSeries
     let count = rows.len() / dof;
     let transform = FourierTransform::new(smooth_length(count));
     let spacing_hz = rate_hz / transform.len() as f64;
-    let lines = (0..dof).map(|i| {
+    let phase = |k: usize| std::f64::consts::PI * (k as f64 + 0.5) / count as f64;
+    let window: Vec<f64> = (0..count).map(|k| libm::sin(phase(k)).powi(2)).collect();
+    let windowed = |i: usize| {
         let mut x = column(rows, dof, i);
         let mean = x.iter().sum::<f64>() / count.max(1) as f64;
-        for (k, x) in x.iter_mut().enumerate() {
-            let phase = std::f64::consts::PI * (k as f64 + 0.5) / count as f64;
-            *x = (*x - mean) * libm::sin(phase).powi(2);
-        }
+        x.iter_mut().zip(&window).for_each(|(x, window)| *x = (*x - mean) * window);
         x.resize(transform.len(), 0.0);
-        last(&HarmonicSeries::new(&transform, &x, 1.0 / spacing_hz), spacing_hz)
+        x
+    };
+    let lines = (0..dof).step_by(2).map(|i| {
+        let (x, period_s) = (windowed(i), 1.0 / spacing_hz);
+        if i + 1 == dof {
+            return last(&HarmonicSeries::new(&transform, &x, period_s), spacing_hz);
+        }
+        let [x, y] = HarmonicSeries::pair(&transform, [&x, &windowed(i + 1)], period_s);
+        last(&x, spacing_hz).max(last(&y, spacing_hz))
     });
     lines.max().unwrap_or(0) as f64 * spacing_hz
 }

@@ -58,8 +58,17 @@ impl HarmonicSeries {
     /// # Panics
     /// If the transform is of another length than `x`.
     pub fn new(transform: &FourierTransform, x: &[f64], period_s: f64) -> Self {
-        let spectrum = transform.forward_real(x);
-        let n = x.len();
+        Self::of_spectrum(&transform.forward_real(x), period_s)
+    }
+
+    /// [`Self::new`] of two signals at the price of one, each up to rounding of the larger.
+    pub(super) fn pair(transform: &FourierTransform, [x, y]: [&[f64]; 2], period_s: f64) -> [Self; 2] {
+        let (x, y) = transform.forward_pair(x, y);
+        [x, y].map(|spectrum| Self::of_spectrum(&spectrum, period_s))
+    }
+
+    fn of_spectrum(spectrum: &[Complex<f64>], period_s: f64) -> Self {
+        let n = spectrum.len();
         let lines = (0..n.div_ceil(2)).map(|h| spectrum[h] * ((if h == 0 { 1.0 } else { 2.0 }) / n as f64)).collect();
         Self { period_s, lines }
     }

@@ -1,9 +1,9 @@
 //! The derivative of the acceleration.
 
+use super::columns::{column, put_column};
 use super::differences::{differences, differences_periodic};
 use super::fourier_transform::FourierTransform;
 use super::harmonics::HarmonicSeries;
-use super::periodic::{column, put_column};
 use super::processing::Derivatives;
 use super::samples::Samples;
 

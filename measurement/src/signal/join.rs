@@ -146,8 +146,8 @@ mod tests {
         assert_ne!(all.calm_states().unwrap().q, all.states.q);
         assert_eq!(all.jerk(), stacked(&Samples::jerk));
         let friction = |of: &Samples| of.states.qd.iter().map(|qd| qd.signum()).collect::<Vec<f64>>();
-        let filtered = all.filtered_as_torque(friction(&all)).unwrap();
-        assert_eq!(filtered, stacked(&|of| of.filtered_as_torque(friction(of)).unwrap()));
+        let filtered = all.filtered_as_torque(friction(&all), 1).unwrap();
+        assert_eq!(filtered, stacked(&|of| of.filtered_as_torque(friction(of), 1).unwrap()));
     }
 
     #[test]

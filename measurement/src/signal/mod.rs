@@ -19,6 +19,7 @@
 mod aperiodic;
 mod butterworth;
 mod calm;
+mod columns;
 mod covariance_operator;
 mod cutoff;
 mod differences;

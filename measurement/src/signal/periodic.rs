@@ -1,6 +1,7 @@
 //! Periods of raw samples to one period of processed ones.
 
 use super::butterworth::Butterworth;
+use super::columns::{column, put_column, put_motion};
 use super::differences::differences_periodic;
 use super::error::SignalError;
 use super::fourier_transform::FourierTransform;
@@ -159,18 +160,17 @@ impl LowPass {
 
     /// A period of torque, row-major and n wide, after the filter.
     fn apply(&self, mut rows: Vec<f64>, n: usize, period_s: f64, transform: &FourierTransform) -> Vec<f64> {
-        for i in 0..n {
-            let raw = || column(&rows, n, i);
-            let filtered = match self {
-                Self::None => break,
-                Self::Harmonics(last) => {
-                    HarmonicSeries::new(transform, &raw(), period_s).up_to(*last).samples(transform).q
+        match self {
+            Self::None => rows,
+            Self::Harmonics(last) => {
+                for i in 0..n {
+                    let series = HarmonicSeries::new(transform, &column(&rows, n, i), period_s).up_to(*last);
+                    put_column(&mut rows, n, i, &series.samples(transform).q);
                 }
-                Self::Butterworth(filter) => filter.zero_phase_periodic(&raw()),
-            };
-            put_column(&mut rows, n, i, &filtered);
+                rows
+            }
+            Self::Butterworth(filter) => filter.zero_phase_periodic(&rows, n),
         }
-        rows
     }
 }
 
@@ -215,31 +215,13 @@ fn position_floor(average: &PeriodAverage, robot: &Robot, i: usize) -> f64 {
 fn difference_states(average: &PeriodAverage, filter: &Butterworth) -> States {
     let n = average.dof;
     let mut states = States::with_len(n, average.len());
+    let filtered = filter.zero_phase_periodic(&average.q, n);
     for i in 0..n {
-        let q = filter.zero_phase_periodic(&column(&average.q, n, i));
+        let q = column(&filtered, n, i);
         let (qd, qdd) = differences_periodic(&q, 1.0 / average.rate_hz);
         put_motion(&mut states, i, [&q, &qd, &qdd]);
     }
     states
-}
-
-/// Column `i` of a row-major table n wide.
-pub(super) fn column(rows: &[f64], n: usize, i: usize) -> Vec<f64> {
-    rows.iter().skip(i).step_by(n).copied().collect()
-}
-
-/// Writes the motion of joint `i`.
-pub(super) fn put_motion(states: &mut States, i: usize, motion: [&[f64]; 3]) {
-    for (rows, values) in [&mut states.q, &mut states.qd, &mut states.qdd].into_iter().zip(motion) {
-        put_column(rows, states.dof, i, values);
-    }
-}
-
-/// Writes column `i` of a row-major table n wide.
-pub(super) fn put_column(rows: &mut [f64], n: usize, i: usize, values: &[f64]) {
-    for (to, value) in rows.iter_mut().skip(i).step_by(n).zip(values) {
-        *to = *value;
-    }
 }
 
 #[cfg(test)]

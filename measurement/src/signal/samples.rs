@@ -1,9 +1,12 @@
 //! The input of estimation: states, torque, and the noise of both.
 
+use std::ops::Range;
+
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::butterworth::Butterworth;
+use super::columns::{column, put_column};
 use super::error::SignalError;
 use super::fourier_transform::FourierTransform;
 use super::harmonics::HarmonicSeries;
@@ -171,30 +174,34 @@ impl Samples {
         means
     }
 
-    /// A torque that was computed from the states, one joint's N samples, behind the low pass that the measured one went through; as it is where
-    /// there was none.
+    /// Torque that was computed from the states, N × n, behind the low pass that the measured one went through; as it is where there was none.
     ///
     /// # Errors
     /// [`SignalError`] where the band is no frequency below half of the rate.
-    pub fn filtered_as_torque(&self, torque: Vec<f64>) -> Result<Vec<f64>, SignalError> {
+    pub fn filtered_as_torque(&self, torque: Vec<f64>, n: usize) -> Result<Vec<f64>, SignalError> {
         if !self.joined.is_empty() {
-            let each = self.experiments().map(|(range, of)| self.low_passed(torque[range].to_vec(), &of));
+            let part = |range: Range<usize>| torque[range.start * n..range.end * n].to_vec();
+            let each = self.experiments().map(|(range, of)| self.low_passed(part(range), n, &of));
             return Ok(each.collect::<Result<Vec<_>, _>>()?.concat());
         }
-        self.low_passed(torque, &self.whole())
+        self.low_passed(torque, n, &self.whole())
     }
 
-    fn low_passed(&self, torque: Vec<f64>, of: &JoinedExperiment) -> Result<Vec<f64>, SignalError> {
+    fn low_passed(&self, mut torque: Vec<f64>, n: usize, of: &JoinedExperiment) -> Result<Vec<f64>, SignalError> {
         let Some(band_hz) = of.torque_band_hz else { return Ok(torque) };
         let butterworth = || Butterworth::new(self.torque_filter_order, band_hz, self.rate_hz);
         Ok(match (self.derivatives, of.period_s) {
             (Derivatives::Fourier, Some(period_s)) => {
-                let transform = FourierTransform::new(torque.len());
+                let transform = FourierTransform::new(torque.len() / n);
                 let last = (band_hz * period_s).round() as usize;
-                HarmonicSeries::new(&transform, &torque, period_s).up_to(last).samples(&transform).q
+                for i in 0..n {
+                    let series = HarmonicSeries::new(&transform, &column(&torque, n, i), period_s).up_to(last);
+                    put_column(&mut torque, n, i, &series.samples(&transform).q);
+                }
+                torque
             }
-            (_, Some(_)) => butterworth()?.zero_phase_periodic(&torque),
-            (_, None) => butterworth()?.zero_phase_reflected(&torque),
+            (_, Some(_)) => butterworth()?.zero_phase_periodic(&torque, n),
+            (_, None) => butterworth()?.zero_phase_reflected(&torque, n),
         })
     }
 
@@ -278,6 +285,7 @@ impl Samples {
 
 #[cfg(test)]
 mod tests {
+
     use nalgebra::DMatrix;
 
     use super::Samples;
@@ -307,7 +315,7 @@ mod tests {
             means.len() == 25 && means.iter().enumerate().all(|(k, mean)| *mean == 4.0 * k as f64 + 1.5),
             "{means:?}"
         );
-        let filtered = in_blocks.filtered_as_torque(vec![3.0; 100]).unwrap();
+        let filtered = in_blocks.filtered_as_torque(vec![3.0; 100], 1).unwrap();
         assert!(filtered.len() == 100 && filtered.iter().all(|tau| (tau - 3.0).abs() < 1e-9), "{filtered:?}");
     }
 }

@@ -109,9 +109,12 @@ pub fn identify(
     let interrupted = ended || latch.has_ended();
     // What was ended has a page as well, which reads its log again; a list of estimates has none.
     let has_page = estimates.len() == 1 && !interrupted;
-    let (expressions, trends) = (log.base_expressions(columns)?, log.residual_trends(&estimates, NAME));
-    let identified = |(estimate, trends): (Estimate, Result<ResidualTrends, Error>)| {
-        let (residual, trends) = (log.residual(&estimate, NAME)?, trends.ok());
+    let expressions = log.base_expressions(columns)?;
+    let trends = log
+        .residual_trends(&estimates, NAME)
+        .map_or_else(|_| vec![None; estimates.len()], |trends| trends.into_iter().map(Some).collect());
+    let residuals = log.residuals(&estimates, NAME)?;
+    let identified = |((estimate, residual), trends): ((Estimate, LogResidual), Option<ResidualTrends>)| {
         let verdict = Verdict::new(&estimate, &residual, trends.as_ref(), &log, &suspicions, &files);
         // Where one cannot be drawn, the page says why.
         let figures = trends.filter(|_| has_page);
@@ -119,7 +122,8 @@ pub fn identify(
         let LogResidual { used, held_out } = residual;
         Ok(Identified { expressions: expressions.of(&estimate, NAME)?, verdict, estimate, used, held_out, figures })
     };
-    let estimates = estimates.into_iter().zip(trends).map(identified).collect::<Result<Vec<_>, Error>>()?;
+    let estimates =
+        estimates.into_iter().zip(residuals).zip(trends).map(identified).collect::<Result<Vec<_>, Error>>()?;
     let transmissions = estimates.first().map_or(Ok(None), |first| log.transmissions(&first.estimate, NAME))?;
     Ok(IdentifyAnswer { log, inputs, estimates, suspicions, selection, onset, speeds, transmissions, interrupted })
 }

@@ -68,7 +68,7 @@ impl EstimatePage {
         steps.begin(name)?;
         let expressions = log.expressions(estimate, name)?;
         steps.begin(name)?;
-        let trends = log.residual_trends(std::slice::from_ref(estimate), name).swap_remove(0)?;
+        let trends = log.residual_trends(std::slice::from_ref(estimate), name)?.swap_remove(0);
         let figures = LogFigures::new(estimate, name, log, &residual, &trends)?;
         let LogResidual { used: residual, held_out } = residual;
         let base = expressions.into_iter().map(|expression| Expressed { expression }).collect();

@@ -185,7 +185,7 @@ impl Motion<'_> {
         let columns: Vec<_> = columns.into_iter().collect();
         let mut all = DMatrix::zeros(self.observation.y.len(), columns.len());
         for (c, (j, torque)) in columns.into_iter().enumerate() {
-            let filtered = self.samples.filtered_as_torque(torque)?;
+            let filtered = self.samples.filtered_as_torque(torque, 1)?;
             for (block, mean) in self.samples.block_means(&filtered, 1).into_iter().enumerate() {
                 let row = block * n + j;
                 if self.observation.used[row] {

@@ -67,9 +67,15 @@ fn trends(seed: u64, columns: Columns, memory: f64, added: Option<(ResidualShape
     }
     let samples = Samples::exact(states, tau, vec!["N·m".to_owned(); 3], RATE_HZ);
     let identification = Identification::new(&robot, columns).unwrap();
-    let estimate = identification.estimate(&samples, EstimatorKind::Wls.estimator()).unwrap();
-    let observation = identification.observation(&samples).unwrap();
-    ResidualTests::new(&robot, observation).unwrap().trends(&samples, &estimate).unwrap()
+    let kinds = [EstimatorKind::Wls, EstimatorKind::Ols];
+    let estimates = kinds.map(|kind| identification.estimate(&samples, kind.estimator()).unwrap());
+    let tests = ResidualTests::new(&robot, identification.observation(&samples).unwrap()).unwrap();
+    let mut together = tests.trends(&samples, &estimates).unwrap();
+    // Estimates that are tested together say what each says alone.
+    for (together, alone) in together.iter().zip(&estimates) {
+        assert_eq!(*together, tests.trends(&samples, std::slice::from_ref(alone)).unwrap()[0]);
+    }
+    together.swap_remove(0)
 }
 
 fn joints() -> Vec<String> {
@@ -244,7 +250,8 @@ fn analytic_no_spring_is_named_where_there_is_none() {
         let identification = Identification::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
         let Ok(estimate) = identification.estimate(&samples, EstimatorKind::Wls.estimator()) else { continue };
         let observation = identification.observation(&samples).unwrap();
-        let found = ResidualTests::new(&robot, observation).unwrap().trends(&samples, &estimate).unwrap();
+        let found =
+            ResidualTests::new(&robot, observation).unwrap().trends(&samples, &[estimate]).unwrap().swap_remove(0);
         let said = found.sentences(Against::Position, &joints).join(" ");
         assert!(!said.contains("spring"), "seed {seed}, {harmonics} harmonics: {said}");
         assert!(found.trends.iter().all(|trend| trend.share >= 0.05), "{:?}", found.trends);

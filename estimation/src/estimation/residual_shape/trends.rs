@@ -180,11 +180,46 @@ impl ResidualTests {
         Ok(Self { observation, kinds, weights, inverse })
     }
 
-    /// Tests the residual of an estimate that was made from these equations, with the states of `samples`.
+    /// Tests the residual of each estimate that was made from these equations, with the states of `samples`. Shapes that no estimate moves
+    /// are freed of the model once for all.
     ///
     /// # Errors
-    /// [`EstimationError::Count`] or [`EstimationError::UnknownParameter`] where equations, samples and estimate are not of each other.
-    pub fn trends(&self, samples: &Samples, estimate: &Estimate) -> Result<ResidualTrends, EstimationError> {
+    /// [`EstimationError::Count`] or [`EstimationError::UnknownParameter`] where equations, samples and estimates are not of each other.
+    pub fn trends(&self, samples: &Samples, estimates: &[Estimate]) -> Result<Vec<ResidualTrends>, EstimationError> {
+        let n = self.observation.dof;
+        let used: Vec<Vec<usize>> = (0..n).map(|joint| self.used_rows(joint)).collect();
+        let of_estimates: Vec<Left> =
+            estimates.iter().map(|one| self.left(samples, &used, one)).collect::<Result<_, _>>()?;
+        let noise_free = samples.is_noise_free();
+        // The averaged period has no beginning and no end.
+        let is_tested = |against| !(noise_free || against == Against::Time && self.observation.periodic);
+        let tested: Vec<Against> = Against::ALL.into_iter().filter(|&against| is_tested(against)).collect();
+        let shapes = || ResidualShape::ALL.iter().copied().filter(|shape| is_tested(shape.against()));
+        let (of_load, others): (Vec<_>, Vec<_>) = shapes().partition(|shape| shape.against() == Against::Load);
+        let mut all = vec![vec![Vec::new(); tested.len()]; estimates.len()];
+        for (joint, rows) in used.iter().enumerate().filter(|(_, rows)| !rows.is_empty()) {
+            let mut of_all: Option<Vec<Beside>> = None;
+            for (own, all) in of_estimates.iter().zip(&mut all) {
+                let trace = &own.traces[joint];
+                let of_all = of_all.get_or_insert_with(|| self.beside(joint, rows, trace, &others));
+                for shape in of_all.iter().chain(&self.beside(joint, rows, trace, &of_load)) {
+                    let place = tested.iter().position(|against| *against == shape.shape.against());
+                    let place = place.expect("a shape that is tested");
+                    all[place].extend(self.trend(joint, rows, shape, &own.left));
+                }
+            }
+        }
+        let of_one = |(Left { traces, whiteness, .. }, all): (Left, Vec<Vec<Trend>>)| {
+            let tested = tested.iter().zip(&all).map(|(&against, all)| (against, all.len())).collect();
+            let mut trends: Vec<Trend> = all.into_iter().flat_map(|all| strongest(all, n)).collect();
+            trends.sort_by(|a, b| b.share.total_cmp(&a.share));
+            ResidualTrends { trends, tested, whiteness, traces, noise_free }
+        };
+        Ok(of_estimates.into_iter().zip(all).map(of_one).collect())
+    }
+
+    /// What an estimate leaves of each joint's equations, the rows `used`.
+    fn left(&self, samples: &Samples, used: &[Vec<usize>], estimate: &Estimate) -> Result<Left, EstimationError> {
         let observation = &self.observation;
         EstimationError::unless_equal("blocks of the samples", samples.blocks(), observation.samples())?;
         let n = observation.dof;
@@ -201,7 +236,6 @@ impl ResidualTests {
         let states = &samples.states;
         let [position, velocity, acceleration] = [&states.q, &states.qd, &states.qdd].map(|values| means(values));
         let step_s = samples.block as f64 / samples.rate_hz;
-        let used: Vec<Vec<usize>> = (0..n).map(|joint| self.used_rows(joint)).collect();
         let traces = used.iter().map(|rows| {
             let of = |values: &[f64]| rows.iter().map(|&row| values[row]).collect::<Vec<f64>>();
             JointTrace {
@@ -213,7 +247,7 @@ impl ResidualTests {
                 acceleration: of(&acceleration),
             }
         });
-        let traces: Vec<JointTrace> = traces.collect();
+        let traces = traces.collect();
         let mut whiteness: Vec<Option<Whiteness>> = (0..n)
             .map(|joint| {
                 let rows = (joint..observation.used.len()).step_by(n);
@@ -225,25 +259,8 @@ impl ResidualTests {
         for (of, adjusted) in whiteness.iter_mut().flatten().zip(holm_adjusted(&p)) {
             of.p_adjusted = adjusted;
         }
-        let left = self.beside_the_model(&residual);
-        let (mut trends, mut tested) = (Vec::new(), Vec::new());
-        let noise_free = samples.is_noise_free();
-        for against in Against::ALL.into_iter().filter(|_| !noise_free) {
-            // The averaged period has no beginning and no end.
-            if against == Against::Time && observation.periodic {
-                continue;
-            }
-            let mut all = Vec::new();
-            for (joint, trace) in traces.iter().enumerate() {
-                for &shape in ResidualShape::ALL.iter().filter(|shape| shape.against() == against) {
-                    all.extend(self.trend(joint, &used[joint], trace, &left, shape));
-                }
-            }
-            tested.push((against, all.len()));
-            trends.extend(strongest(all, n));
-        }
-        trends.sort_by(|a, b| b.share.total_cmp(&a.share));
-        Ok(ResidualTrends { trends, tested, whiteness, traces, noise_free })
+        let left = self.beside_the_model(DMatrix::from_column_slice(residual.len(), 1, residual.as_slice()));
+        Ok(Left { traces, whiteness, left: left.column(0).into_owned() })
     }
 
     /// Rows of a joint that are equations.
@@ -252,9 +269,11 @@ impl ResidualTests {
         (joint..used.len()).step_by(self.observation.dof).filter(|&row| used[row]).collect()
     }
 
-    fn weighted(&self, x: &DVector<f64>) -> DVector<f64> {
-        let n = self.observation.dof;
-        DVector::from_fn(x.len(), |row, _| x[row] * self.weights[row % n])
+    fn weighted(&self, mut x: DMatrix<f64>) -> DMatrix<f64> {
+        for mut column in x.column_iter_mut() {
+            column.iter_mut().zip(self.weights.iter().cycle()).for_each(|(x, weight)| *x *= weight);
+        }
+        x
     }
 
     /// `W β`.
@@ -266,47 +285,59 @@ impl ResidualTests {
     }
 
     /// `x − W (WᵀPW)⁻¹ WᵀP x`, twice, since the normal equations lose digits.
-    fn beside_the_model(&self, x: &DVector<f64>) -> DVector<f64> {
+    fn beside_the_model(&self, mut x: DMatrix<f64>) -> DMatrix<f64> {
         let w = self.observation.regressor.as_slice();
-        let seen =
-            |x: &DVector<f64>| transposed_product(w, self.weighted(x).as_slice(), x.len()).column(0).into_owned();
-        let once = |x: &DVector<f64>| x - self.torque(&self.inverse * seen(x));
-        once(&once(x))
+        for _ in 0..2 {
+            let rows = x.nrows();
+            let seen = transposed_product(w, self.weighted(x.clone()).as_slice(), rows);
+            let taken = -&self.inverse * seen;
+            add_product(w, taken.as_slice(), rows, x.as_mut_slice());
+        }
+        x
     }
 
-    /// One shape in the `rows` of one joint, of which the model leaves `left`, r̃; `None` where the model has it or the joint shows nothing of it.
-    fn trend(
-        &self,
-        joint: usize,
-        rows: &[usize],
-        trace: &JointTrace,
-        left: &DVector<f64>,
-        shape: ResidualShape,
-    ) -> Option<Trend> {
-        let (first, last) = (*trace.times.first()?, *trace.times.last()?);
+    /// Shapes in the `rows` of one joint without what the model has of them. Left out are those that the model has, and of which the joint shows
+    /// nothing.
+    fn beside(&self, joint: usize, rows: &[usize], trace: &JointTrace, shapes: &[ResidualShape]) -> Vec<Beside> {
+        let (Some(first), Some(last)) = (trace.times.first(), trace.times.last()) else { return Vec::new() };
         let length = (last - first).max(f64::MIN_POSITIVE);
-        let power = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
         let speed_rms = (power(&trace.velocity) / rows.len() as f64).sqrt();
-        let mut x = DVector::zeros(left.len());
+        let mut x = DMatrix::zeros(self.observation.y.len(), shapes.len());
         for (k, &row) in rows.iter().enumerate() {
-            x[row] = shape.value(&Point {
+            let point = Point {
                 time: (trace.times[k] - first) / length - 0.5,
                 velocity: trace.velocity[k],
                 speed_rms,
                 load: trace.load[k],
                 position: trace.position[k],
-            });
+            };
+            for (column, shape) in shapes.iter().enumerate() {
+                x[(row, column)] = shape.value(&point);
+            }
         }
-        let size = x.norm();
-        let beside = self.beside_the_model(&x);
-        if size <= 0.0 || self.weights[joint] <= 0.0 || beside.norm() <= BESIDE_THE_MODEL * size {
-            return None;
-        }
-        if shape == ResidualShape::Spring && explained(&trace.position, &trace.acceleration) > ONE_HARMONIC {
-            return None;
-        }
-        let z = self.weighted(&beside);
-        let information = z.dot(&beside);
+        let sizes: Vec<f64> = x.column_iter().map(|x| x.norm()).collect();
+        let beside = self.beside_the_model(x);
+        let weighted = self.weighted(beside.clone());
+        let is_inertia = || explained(&trace.position, &trace.acceleration) > ONE_HARMONIC;
+        let is_shown = |column: usize| {
+            sizes[column] > 0.0
+                && self.weights[joint] > 0.0
+                && beside.column(column).norm() > BESIDE_THE_MODEL * sizes[column]
+                && !(shapes[column] == ResidualShape::Spring && is_inertia())
+        };
+        let of = |column: usize| {
+            let (beside, weighted) = (beside.column(column), weighted.columns(column, 1));
+            let information = weighted.column(0).dot(&beside);
+            let (beside, weighted) = (beside.into_owned(), weighted.into_owned());
+            Beside { shape: shapes[column], beside, weighted, information }
+        };
+        (0..shapes.len()).filter(|&column| is_shown(column)).map(of).collect()
+    }
+
+    /// One shape in the `rows` of one joint, of which the model leaves `left`, r̃; `None` where the joint shows nothing of it.
+    fn trend(&self, joint: usize, rows: &[usize], shape: &Beside, left: &DVector<f64>) -> Option<Trend> {
+        let Beside { shape, beside, weighted: columns, information } = shape;
+        let z = columns.column(0);
         let slope = z.dot(left) / information;
         let part = |rows: &[usize]| rows.iter().map(|&row| z[row] * left[row]).sum::<f64>();
         let alike = rows.chunks(rows.len().div_ceil(PARTS)).filter(|rows| part(rows) * slope > 0.0).count();
@@ -314,9 +345,8 @@ impl ResidualTests {
             return None;
         }
         // A shape that is in the residual is no noise: slow ones would pass for a long correlation.
-        let noise = residual_noise(&self.observation, &(left - &beside * slope));
-        let columns = DMatrix::from_column_slice(z.len(), 1, z.as_slice());
-        let variance = z.dot(&noise.apply(&columns).column(0));
+        let noise = residual_noise(&self.observation, &(left - beside * slope));
+        let variance = z.dot(&noise.apply(columns).column(0));
         let (std, freedom) = (variance.max(0.0).sqrt() / information, noise.degrees_of_freedom);
         let t = student_quantile(0.5 + 0.5 * 0.95, freedom);
         let p_adjusted = student_p_value(slope / std, freedom);
@@ -327,8 +357,32 @@ impl ResidualTests {
         let rest: Vec<f64> = rows.iter().map(|&row| left[row] - slope * beside[row]).collect();
         let share = 1.0 - power(&rest) / power(&own).max(f64::MIN_POSITIVE);
         let unit = shape.unit(self.kinds[joint]);
-        Some(Trend { joint, shape, slope, ci95: [slope - t * std, slope + t * std], unit, p_adjusted, share })
+        let (shape, ci95) = (*shape, [slope - t * std, slope + t * std]);
+        Some(Trend { joint, shape, slope, ci95, unit, p_adjusted, share })
     }
+}
+
+/// What an estimate leaves of its equations.
+struct Left {
+    traces: Vec<JointTrace>,
+    whiteness: Vec<Option<Whiteness>>,
+    /// r̃.
+    left: DVector<f64>,
+}
+
+/// A shape of one joint without what the model has of it.
+struct Beside {
+    shape: ResidualShape,
+    /// x̃.
+    beside: DVector<f64>,
+    /// P x̃, one column.
+    weighted: DMatrix<f64>,
+    /// x̃ᵀ P x̃.
+    information: f64,
+}
+
+fn power(values: &[f64]) -> f64 {
+    values.iter().map(|v| v * v).sum()
 }
 
 /// Part of the variance of one quantity that another explains.

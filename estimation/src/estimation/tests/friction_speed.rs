@@ -279,7 +279,7 @@ fn identity_friction_columns_pass_the_low_pass_of_the_torque() {
     let mut tau = base.clone();
     for i in 0..3 {
         let friction = (0..900).map(|k| plain.tau[3 * k + i] - base[3 * k + i]).collect::<Vec<_>>();
-        for (k, value) in filter.zero_phase_reflected(&friction).into_iter().enumerate() {
+        for (k, value) in filter.zero_phase_reflected(&friction, 1).into_iter().enumerate() {
             tau[3 * k + i] += value;
         }
     }
