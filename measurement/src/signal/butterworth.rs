@@ -81,7 +81,11 @@ impl Butterworth {
     }
 
     /// Both passes over one period of periodic signals, in the steady state. Each of the `n` columns of `x`, row-major, is a signal.
+    ///
+    /// # Panics
+    /// If `x` has no whole rows of `n` numbers.
     pub fn zero_phase_periodic(&self, x: &[f64], n: usize) -> Vec<f64> {
+        assert!(n > 0 && x.len().is_multiple_of(n), "{} numbers, expected rows of {n}", x.len());
         let mut y = x.to_vec();
         // The transient of a start from rest falls below the last bit before the period begins.
         let start = Start::After(self.settling_samples(1e-18));
@@ -92,7 +96,11 @@ impl Butterworth {
     }
 
     /// Both passes over signals that are not periodic, as above; their ends are continued by point reflection, `2x₀ − x[k]`.
+    ///
+    /// # Panics
+    /// As [`Self::zero_phase_periodic`].
     pub fn zero_phase_reflected(&self, x: &[f64], n: usize) -> Vec<f64> {
+        assert!(n > 0 && x.len().is_multiple_of(n), "{} numbers, expected rows of {n}", x.len());
         let Some(last) = (x.len() / n).checked_sub(1) else { return Vec::new() };
         // A transient of 1e-6 of the step at the ends is below what any sensor resolves.
         let pad = self.settling_samples(1e-6).min(last);
