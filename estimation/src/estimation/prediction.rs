@@ -5,7 +5,7 @@ use super::estimate::{BaseEstimate, Estimate};
 use super::residual::joint_rms;
 use crate::dynamics::{Dynamics, States};
 use crate::model::{Robot, StandardParameters};
-use crate::regressor::JointTorqueRegressor;
+use crate::regressor::{JointTorqueRegressor, StackPart};
 use crate::signal::Samples;
 
 /// Torque that an estimate predicts for states, N × n row-major, N·m: `Y_b β̂`.
@@ -54,24 +54,28 @@ pub(super) fn predict_each(
     regressor.stack_in_parts(states, &columns, 1, |part| {
         for (torque, values) in torques.iter_mut().zip(&values) {
             for joint in 0..n {
-                let mut sums = [0.0; 8];
-                for &(column, value) in values {
-                    let entries = part.entries(joint, column);
-                    // Of known length where all samples of a part are there.
-                    match entries.first_chunk::<8>() {
-                        Some(entries) => sums.iter_mut().zip(entries).for_each(|(sum, entry)| *sum += entry * value),
-                        None => sums.iter_mut().zip(entries).for_each(|(sum, entry)| *sum += entry * value),
-                    }
-                }
-                torque[n * part.first + joint..]
-                    .iter_mut()
-                    .step_by(n)
-                    .zip(&sums[..part.count])
-                    .for_each(|(tau, sum)| *tau = *sum);
+                let sums = joint_torque(part, joint, values);
+                let own = torque[n * part.first + joint..].iter_mut().step_by(n);
+                own.zip(&sums[..part.count]).for_each(|(tau, sum)| *tau = *sum);
             }
         }
     });
     Ok(torques)
+}
+
+/// Torque of a joint at the samples of a part, by columns and their parameters.
+#[inline(always)]
+fn joint_torque(part: &StackPart<'_>, joint: usize, values: &[(usize, f64)]) -> [f64; 8] {
+    let mut sums = [0.0; 8];
+    for &(column, value) in values {
+        let entries = part.entries(joint, column);
+        // Of known length where all samples of a part are there.
+        match entries.first_chunk::<8>() {
+            Some(entries) => sums.iter_mut().zip(entries).for_each(|(sum, entry)| *sum += entry * value),
+            None => sums.iter_mut().zip(entries).for_each(|(sum, entry)| *sum += entry * value),
+        }
+    }
+    sums
 }
 
 /// A robot with all of its parameters, as a file of it says: what predicts torque without an estimate.

@@ -147,18 +147,8 @@ impl TorqueResidual {
                     tau.any(|tau| *tau != 0.0) || used.any(|used| *used)
                 })
                 .collect();
-            for ([used, all], predicted) in sums.iter_mut().zip(predicted) {
-                let predicted = low_passed(samples, predicted, bandwidth_hz)?;
-                for (k, (measured, predicted)) in measured.chunks_exact(n).zip(predicted.chunks_exact(n)).enumerate() {
-                    let equations = samples.used.get(k / samples.block * n..(k / samples.block + 1) * n);
-                    for i in (0..n).filter(|&i| is_measured[i]) {
-                        let residual = measured[i] - predicted[i];
-                        all.add(i, residual, measured[i]);
-                        if equations.is_some_and(|used| used[i]) {
-                            used.add(i, residual, measured[i]);
-                        }
-                    }
-                }
+            for (sums, predicted) in sums.iter_mut().zip(predicted) {
+                add_residual(sums, samples, &is_measured, [&measured, &low_passed(samples, predicted, bandwidth_hz)?]);
             }
         }
         let one_unit = parts.iter().all(|part| part.units.iter().all(|unit| *unit == parts[0].units[0]));
@@ -181,6 +171,25 @@ impl TorqueSeries {
         let predicted = predict(estimate, regressor, &samples.states)?;
         let low_passed = |torque: &[f64]| low_passed(samples, torque, bandwidth_hz);
         Ok(Self { measured: low_passed(&samples.tau)?, predicted: low_passed(&predicted)? })
+    }
+}
+
+/// Adds to the sums over used and over all rows what some joints (n) leave of measured and predicted torque, N × n each.
+fn add_residual(
+    [used, all]: &mut [Sums; 2],
+    samples: &Samples,
+    is_measured: &[bool],
+    [measured, predicted]: [&[f64]; 2],
+) {
+    let n = is_measured.len();
+    for (at, (measured, predicted)) in measured.iter().zip(predicted).enumerate().filter(|(at, _)| is_measured[at % n])
+    {
+        let (k, i) = (at / n, at % n);
+        let residual = measured - predicted;
+        all.add(i, residual, *measured);
+        if samples.used.get(k / samples.block * n + i).is_some_and(|used| *used) {
+            used.add(i, residual, *measured);
+        }
     }
 }
 

@@ -285,7 +285,6 @@ impl Samples {
 
 #[cfg(test)]
 mod tests {
-
     use nalgebra::DMatrix;
 
     use super::Samples;
