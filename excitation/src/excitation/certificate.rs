@@ -123,7 +123,7 @@ impl Certificate {
         let samples = problem.budget().certificate_samples;
         let regressor = problem.regressor(problem.robot())?;
         let kept = &problem.base().kept;
-        let m = Information::new(regressor, kept, samples, &vec![1.0; n], None).gather(&trajectory.sample(samples));
+        let m = Information::of_period(regressor, kept, &vec![1.0; n], trajectory, samples);
         let rigid = problem.objective().rigid_positions();
         let m_rigid = m.select_rows(&rigid).select_columns(&rigid);
         let report = |kind: CriterionKind, m: &DMatrix<f64>| {

@@ -13,6 +13,7 @@ use nalgebra::DMatrix;
 use super::padded_rows::PaddedRows;
 use crate::dynamics::States;
 use crate::regressor::JointTorqueRegressor;
+use crate::trajectory::Trajectory;
 
 /// The rows of one joint over all samples, on the columns where they can differ from zero.
 #[derive(Clone, Debug)]
@@ -24,6 +25,16 @@ struct JointRows {
     /// 1/σ of the joint.
     weight: f64,
 }
+
+impl JointRows {
+    /// Room for the products of its columns.
+    fn no_gram(&self) -> PaddedRows {
+        PaddedRows::zeros(self.columns.len(), self.columns.len())
+    }
+}
+
+/// Samples whose rows are held at once where none is needed afterwards: they fit into the second cache.
+const SAMPLES_HELD: usize = 128;
 
 /// The information of a sampled trajectory on the base columns.
 #[derive(Clone, Debug)]
@@ -58,27 +69,71 @@ impl Information {
         Self { regressor, kept: kept.to_vec(), joints, samples, prior }
     }
 
+    /// The information matrix of many samples of a trajectory's period, b × b, per torque row, with other arguments as
+    /// [`Self::new`]. A few rows at a time are held, and none afterwards.
+    pub fn of_period(
+        regressor: JointTorqueRegressor,
+        kept: &[usize],
+        sigma: &[f64],
+        trajectory: &dyn Trajectory,
+        samples: usize,
+    ) -> DMatrix<f64> {
+        let mut own = Self::new(regressor, kept, SAMPLES_HELD.min(samples), sigma, None);
+        let mut grams: Vec<PaddedRows> = own.joints.iter().map(JointRows::no_gram).collect();
+        for first in (0..samples).step_by(SAMPLES_HELD) {
+            own.put(&trajectory.sample_part(samples, first..samples.min(first + SAMPLES_HELD)));
+            for (joint, gram) in own.joints.iter().zip(&mut grams) {
+                joint.rows.add_gram(gram);
+            }
+        }
+        own.sum(&grams, samples)
+    }
+
     /// The information matrix of sampled states, b × b, per torque row.
     ///
     /// # Panics
     /// If there are not as many samples as the rows have room for.
     pub fn gather(&mut self, states: &States) -> DMatrix<f64> {
         assert_eq!(states.len(), self.samples, "samples of the motion");
-        let (n, count, b) = (self.regressor.rows(), self.samples, self.kept.len());
+        self.put(states);
+        let gram = |joint: &JointRows| {
+            let mut gram = joint.no_gram();
+            joint.rows.add_gram(&mut gram);
+            gram
+        };
+        let grams: Vec<PaddedRows> = self.joints.iter().map(gram).collect();
+        self.sum(&grams, self.samples)
+    }
+
+    /// Writes the rows of these states; those beyond them become zero.
+    fn put(&mut self, states: &States) {
         let joints = &mut self.joints;
-        self.regressor.stack_in_parts(states, &self.kept, 1, |part| {
-            for (i, joint) in joints.iter_mut().enumerate() {
-                for (place, &c) in joint.columns.iter().enumerate() {
-                    for (k, entry) in part.entries(i, c).iter().enumerate() {
-                        joint.rows.row_mut(part.first + k)[place] = joint.weight * entry;
-                    }
+        self.regressor.stack_in_parts(
+            states,
+            &self.kept,
+            1,
+            #[inline(always)]
+            |part| {
+                for (i, joint) in joints.iter_mut().enumerate() {
+                    let columns = &joint.columns;
+                    joint.rows.put_lines(
+                        (part.first, part.count),
+                        joint.weight,
+                        #[inline(always)]
+                        |place| part.line(i, columns[place]),
+                    );
                 }
-            }
-        });
+            },
+        );
+        joints.iter_mut().for_each(|joint| joint.rows.clear_from(states.len()));
+    }
+
+    /// The matrix of `count` samples by the products of each joint's rows.
+    fn sum(&self, grams: &[PaddedRows], count: usize) -> DMatrix<f64> {
+        let (n, b) = (self.regressor.rows(), self.kept.len());
         let mut m = self.prior.clone().unwrap_or_else(|| DMatrix::zeros(b, b));
         let per_row = 1.0 / (n * count) as f64;
-        for joint in &self.joints {
-            let gram = joint.rows.gram();
+        for (joint, gram) in self.joints.iter().zip(grams) {
             for (r, &row) in joint.columns.iter().enumerate() {
                 for (&column, product) in joint.columns.iter().zip(gram.row(r)).skip(r) {
                     m[(column, row)] += per_row * product;
@@ -210,6 +265,10 @@ mod tests {
         let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns).unwrap();
         let mut information = Information::new(regressor.clone(), &problem.base().kept, 40, &sigma, None);
         let m = information.gather(&start.sample(40));
+        // Of more samples than are held at once, which end within a part.
+        let mut whole = Information::new(regressor.clone(), &problem.base().kept, 300, &sigma, None);
+        let in_parts = Information::of_period(regressor.clone(), &problem.base().kept, &sigma, &start, 300);
+        assert_eq!(in_parts, whole.gather(&start.sample(300)));
         let mut w = problem.base().select_columns(&regressor.stack(&start.sample(40)));
         for (r, mut row) in w.row_iter_mut().enumerate() {
             row /= sigma[r % 6];

@@ -96,8 +96,7 @@ impl DesignProblem {
         let noise = self.objective().noise.clone().unwrap_or_else(|| vec![1.0; n]);
         let samples = self.samples();
         let regressor = self.regressor(&smoothed_robot(self)?)?;
-        let mut information = Information::new(regressor, &self.base().kept, samples, &noise, None);
-        Ok(information.gather(&trajectory.sample(samples)))
+        Ok(Information::of_period(regressor, &self.base().kept, &noise, trajectory, samples))
     }
 
     /// What one more experiment along a trajectory buys: median over base parameters of their bound after it over that of

@@ -7,6 +7,8 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
+use crate::regressor::BLOCKS_OF_PART;
+
 /// Rows and columns of a block. Sixteen sums fill half the registers of any 64-bit processor.
 const BLOCK: usize = 4;
 
@@ -35,17 +37,49 @@ impl PaddedRows {
         &mut self.values[k * self.stride..][..self.width]
     }
 
-    /// `Wᵀ W`: as many rows as these have columns; what is below its diagonal means nothing.
-    pub(super) fn gram(&self) -> Self {
-        Arch::new().dispatch(Gram(self))
+    /// Writes `count` rows from row `first` on, at most eight, times `factor`; `line(c)` has the entries of column c in all of them.
+    #[inline(always)]
+    pub(super) fn put_lines<'a>(
+        &mut self,
+        (first, count): (usize, usize),
+        factor: f64,
+        line: impl Fn(usize) -> &'a [f64; BLOCKS_OF_PART],
+    ) {
+        let width = self.width;
+        if width == 0 {
+            return;
+        }
+        let mut rows = self.values[first * self.stride..].chunks_exact_mut(self.stride).take(count);
+        let mut rows: [&mut [f64]; BLOCKS_OF_PART] =
+            std::array::from_fn(|_| rows.next().map_or_else(Default::default, |row| &mut row[..width]));
+        for c in 0..width {
+            let line = line(c);
+            for (row, entry) in rows[..count].iter_mut().zip(line) {
+                row[c] = factor * entry;
+            }
+        }
+    }
+
+    /// Sets all rows from row k on to zero.
+    pub(super) fn clear_from(&mut self, k: usize) {
+        self.values[k * self.stride..].fill(0.0);
+    }
+
+    /// Adds `Wᵀ W` to as many rows as these have columns; what is below their diagonal means nothing. Rows that come in parts are
+    /// added as if all came at once.
+    pub(super) fn add_gram(&self, gram: &mut Self) {
+        Arch::new().dispatch(Gram(self, gram));
     }
 
     #[inline(always)]
-    fn blocks_of_gram(&self) -> Self {
-        let (stride, mut gram) = (self.stride, Self::zeros(self.width, self.width));
+    fn add_blocks_of_gram(&self, gram: &mut Self) {
+        let stride = self.stride;
         for left in (0..stride).step_by(BLOCK) {
             for right in (left..stride).step_by(BLOCK) {
                 let mut sums = [[0.0; BLOCK]; BLOCK];
+                for (r, sums) in sums.iter_mut().enumerate() {
+                    *sums = *block(&gram.values[(left + r) * stride..], right);
+                }
                 for row in self.values.chunks_exact(stride) {
                     let (a, b) = (block(row, left), block(row, right));
                     for r in 0..BLOCK {
@@ -59,7 +93,6 @@ impl PaddedRows {
                 }
             }
         }
-        gram
     }
 
     /// `W S` for a square matrix with as many rows as these have columns.
@@ -93,14 +126,14 @@ impl PaddedRows {
 }
 
 /// The loops of a product compiled for the vectors of the processor, by their width alone: the sums are those of the text.
-struct Gram<'a>(&'a PaddedRows);
+struct Gram<'a>(&'a PaddedRows, &'a mut PaddedRows);
 
 impl WithSimd for Gram<'_> {
-    type Output = PaddedRows;
+    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> PaddedRows {
-        self.0.blocks_of_gram()
+    fn with_simd<S: Simd>(self, _: S) {
+        self.0.add_blocks_of_gram(self.1);
     }
 }
 
@@ -143,7 +176,8 @@ mod tests {
                 rows
             };
             let rows = padded(&w);
-            let gram = rows.gram();
+            let mut gram = PaddedRows::zeros(width, width);
+            rows.add_gram(&mut gram);
             let expected = w.tr_mul(&w);
             for r in 0..width {
                 for c in r..width {

@@ -7,6 +7,9 @@
 //! ```
 //! Rows touch the variables of one joint only, so a column of H A costs one block of H, and taking a row in or dropping
 //! one costs no more than the square of their number.
+//!
+//! All of it is inlined where a program is solved, and compiled there for the vectors of the processor: sums are loops, since a
+//! function of an iterator would not be.
 
 use nalgebra::DMatrix;
 
@@ -50,6 +53,7 @@ struct RowProjection {
 }
 
 impl<'a> ActiveSet<'a> {
+    #[inline(always)]
     pub(super) fn new(inverse: &'a DMatrix<f64>, gradient: &[f64]) -> Result<Self, QuadraticError> {
         // That the rest of H is positive definite shows row by row, in `project`.
         if inverse.diagonal().iter().any(|entry| entry.is_nan() || *entry <= 0.0) {
@@ -72,6 +76,7 @@ impl<'a> ActiveSet<'a> {
     }
 
     /// Takes the rows in as equalities, then drops those with a negative multiplier.
+    #[inline(always)]
     pub(super) fn warm_start(&mut self, warm: Vec<Row>) -> Result<(), QuadraticError> {
         for row in warm {
             let projection = self.project(&row)?;
@@ -94,8 +99,12 @@ impl<'a> ActiveSet<'a> {
     }
 
     /// The minimum with the active rows as equalities, and its multipliers.
+    #[inline(always)]
     fn solve_on_active(&mut self) {
-        let mut u: Vec<f64> = self.rows.iter().map(|row| row.excess(&self.free)).collect();
+        let mut u = Vec::with_capacity(self.rows.len());
+        for row in &self.rows {
+            u.push(row.excess(&self.free));
+        }
         self.forward_substitute(&mut u);
         self.back_substitute(&mut u);
         self.step.copy_from_slice(&self.free);
@@ -106,6 +115,7 @@ impl<'a> ActiveSet<'a> {
     }
 
     /// Takes in one violated row, dropping others whose multiplier reaches zero on the way.
+    #[inline(always)]
     pub(super) fn add(&mut self, row: Row, pool: &mut Vec<Row>, limit: usize) -> Result<(), QuadraticError> {
         let mut multiplier = 0.0;
         loop {
@@ -155,24 +165,28 @@ impl<'a> ActiveSet<'a> {
     }
 
     /// The projection of a row on the active ones.
+    #[inline(always)]
     fn project(&self, row: &Row) -> Result<RowProjection, QuadraticError> {
         let n = self.step.len();
         let mut h_normal = vec![0.0; n];
         for (k, a) in row.normal.iter().enumerate() {
             axpy(*a, &self.inverse.as_slice()[(row.start + k) * n..][..n], &mut h_normal);
         }
-        let along = |row: &Row| dot(&row.normal, &h_normal[row.start..row.start + row.normal.len()]);
-        let total = along(row);
+        let total = row.along(&h_normal);
         if total.is_nan() || total <= 0.0 {
             return Err(QuadraticError::NotConvex);
         }
-        let mut along_active: Vec<f64> = self.rows.iter().map(along).collect();
+        let mut along_active = Vec::with_capacity(self.rows.len() + 1);
+        for row in &self.rows {
+            along_active.push(row.along(&h_normal));
+        }
         self.forward_substitute(&mut along_active);
         let residual = total - dot(&along_active, &along_active);
         Ok(RowProjection { h_normal, along_active, total, residual })
     }
 
     /// R⁻ᵀ v in place.
+    #[inline(always)]
     fn forward_substitute(&self, v: &mut [f64]) {
         for (i, column) in self.r.iter().enumerate() {
             v[i] = (v[i] - dot(&column[..i], &v[..i])) / column[i];
@@ -180,6 +194,7 @@ impl<'a> ActiveSet<'a> {
     }
 
     /// R⁻¹ v in place.
+    #[inline(always)]
     fn back_substitute(&self, v: &mut [f64]) {
         for (i, column) in self.r.iter().enumerate().rev() {
             v[i] /= column[i];
@@ -189,6 +204,7 @@ impl<'a> ActiveSet<'a> {
     }
 
     /// Makes a row active.
+    #[inline(always)]
     fn append(&mut self, row: Row, projection: RowProjection, multiplier: f64) {
         let mut column = projection.along_active;
         column.push(projection.residual.sqrt());
@@ -200,6 +216,7 @@ impl<'a> ActiveSet<'a> {
 
     /// Drops active row `index`: the columns of R after it have one entry too many, which Givens rotations of two rows
     /// take away.
+    #[inline(always)]
     fn remove(&mut self, index: usize) -> Row {
         self.r.remove(index);
         for c in index..self.r.len() {

@@ -14,6 +14,7 @@
 //! programs", Mathematical Programming 27, 1983.
 
 use nalgebra::{DMatrix, DVector};
+use pulp::{Arch, Simd, WithSimd};
 
 use super::active_set::ActiveSet;
 use super::error::QuadraticError;
@@ -54,6 +55,28 @@ pub fn solve_quadratic(
     warm: Vec<Row>,
     source: &mut dyn RowSource,
 ) -> Result<QuadraticSolution, QuadraticError> {
+    Arch::new().dispatch(Program { inverse, gradient, warm, source })
+}
+
+/// A program, solved by loops that are compiled for the vectors of the processor by their width alone: sums are those of the text.
+struct Program<'a> {
+    inverse: &'a DMatrix<f64>,
+    gradient: &'a [f64],
+    warm: Vec<Row>,
+    source: &'a mut dyn RowSource,
+}
+
+impl WithSimd for Program<'_> {
+    type Output = Result<QuadraticSolution, QuadraticError>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        solution(self)
+    }
+}
+
+#[inline(always)]
+fn solution(Program { inverse, gradient, warm, source }: Program<'_>) -> Result<QuadraticSolution, QuadraticError> {
     let mut state = ActiveSet::new(inverse, gradient)?;
     state.warm_start(warm)?;
     let n = gradient.len();

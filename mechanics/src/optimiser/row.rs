@@ -15,8 +15,15 @@ pub struct Row {
 
 impl Row {
     /// `aᵀ d − b`: positive where the row is violated.
+    #[inline(always)]
     pub fn excess(&self, d: &[f64]) -> f64 {
-        dot(&self.normal, &d[self.start..self.start + self.normal.len()]) - self.bound
+        self.along(d) - self.bound
+    }
+
+    /// `aᵀ d`.
+    #[inline(always)]
+    pub(super) fn along(&self, d: &[f64]) -> f64 {
+        dot(&self.normal, &d[self.start..self.start + self.normal.len()])
     }
 }
 

@@ -26,4 +26,4 @@ mod straight_axis;
 pub use body::BodyRegressor;
 pub use joint_torque::JointTorqueRegressor;
 pub use moving_base::BaseState;
-pub use stack::StackPart;
+pub use stack::{BLOCKS_OF_PART, StackPart};

@@ -17,12 +17,15 @@ use crate::linalg::column_products::Line;
 /// With more joints, all columns in the order of C come sooner sample by sample: the cells of eight samples leave the first cache.
 const MOST_JOINTS_IN_LANES: usize = 7;
 
+/// Blocks of a [`StackPart`] that is not the last.
+pub const BLOCKS_OF_PART: usize = TOGETHER;
+
 /// The entries of a few blocks, for as long as they are in the processor's first cache.
 #[derive(Clone, Copy, Debug)]
 pub struct StackPart<'a> {
     /// Number of the first block.
     pub first: usize,
-    /// Number of blocks, at most eight.
+    /// Number of blocks, at most [`BLOCKS_OF_PART`].
     pub count: usize,
     columns: usize,
     lines: &'a [Line],
@@ -35,8 +38,17 @@ impl StackPart<'_> {
     /// If there is no such joint or column.
     #[inline]
     pub fn entries(&self, joint: usize, column: usize) -> &[f64] {
+        &self.line(joint, column)[..self.count]
+    }
+
+    /// The same in a row of known length, for loops that fill the processor's lanes. Beyond the last block it means nothing.
+    ///
+    /// # Panics
+    /// As [`Self::entries`].
+    #[inline(always)]
+    pub fn line(&self, joint: usize, column: usize) -> &[f64; BLOCKS_OF_PART] {
         assert!(column < self.columns, "column {column} of {}", self.columns);
-        &self.lines[joint * self.columns + column].0[..self.count]
+        &self.lines[joint * self.columns + column].0
     }
 }
 

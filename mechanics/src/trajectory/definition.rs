@@ -1,5 +1,7 @@
 //! What a trajectory is to everything that follows it: joint positions, velocities and accelerations at any time.
 
+use std::ops::Range;
+
 use super::curve::Curve;
 use super::states::States;
 
@@ -22,12 +24,15 @@ pub trait Trajectory: Send + Sync {
 
     /// `count` samples of one period, at `t_k = k T / count`.
     fn sample(&self, count: usize) -> States {
-        let n = self.dof();
-        let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-        let mut states = States::new(n);
-        for k in 0..count {
-            self.evaluate(self.period_s() * k as f64 / count as f64, &mut q, &mut qd, &mut qdd);
-            states.push(&q, &qd, &qdd);
+        self.sample_part(count, 0..count)
+    }
+
+    /// Those samples of [`sample`](Self::sample) whose number is in a range.
+    fn sample_part(&self, count: usize, numbers: Range<usize>) -> States {
+        let mut states = States::with_len(self.dof(), numbers.len());
+        for (place, k) in numbers.enumerate() {
+            let [q, qd, qdd] = states.sample_mut(place);
+            self.evaluate(self.period_s() * k as f64 / count as f64, q, qd, qdd);
         }
         states
     }

@@ -18,11 +18,16 @@ pub(crate) struct Tick {
 /// along the axis, px.
 pub(crate) fn ticks(span: &Span, length: f64, gap: f64, extent: impl Fn(&str) -> f64) -> Vec<Tick> {
     let mut sparsest = Vec::new();
+    let apart = |low: f64, high: f64| (span.fraction(high) - span.fraction(low)) * length;
     for values in candidates(span) {
+        // Where not even empty labels fit, none is written: the densest have two thousand.
+        if values.windows(2).any(|pair| apart(pair[0], pair[1]) < gap) {
+            continue;
+        }
         let ticks = write(values, span);
         let fits = ticks.windows(2).all(|pair| {
-            let apart = (span.fraction(pair[1].value) - span.fraction(pair[0].value)) * length;
-            apart >= 0.5 * (extent(&pair[0].label) + extent(&pair[1].label)) + gap
+            let room = 0.5 * (extent(&pair[0].label) + extent(&pair[1].label)) + gap;
+            apart(pair[0].value, pair[1].value) >= room
         });
         if fits && ticks.len() >= 2 {
             return ticks;

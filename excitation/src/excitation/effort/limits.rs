@@ -9,6 +9,7 @@
 use super::channel::Channel;
 use super::model::{EffortModel, Load};
 use super::worst::{Peak, Place, Survey, refine};
+use crate::dynamics::States;
 use crate::excitation::basis::MotionBasis;
 use crate::optimiser::{Row, SmoothLimits, SmoothRow};
 use crate::trajectory::{PathPoint, Segment, Timeline, Trajectory};
@@ -117,36 +118,54 @@ impl EffortLimits {
         let (width, count) = (self.channels.len(), self.samples);
         let limit = self.channels[c].continuous;
         let rms = self.mean_squares[c] * limit;
-        let mut normal = vec![0.0; x.len()];
-        for k in 0..count {
-            let point = self.timeline.point(Segment::Period, k as f64 / count as f64);
+        let instant = |k: usize| {
             let load = self.loads[k * width + c];
             let scale = load.largest() / (count as f64 * rms * limit);
-            self.add_row(c, load.value.signum(), scale, &trajectory, &point, &mut normal);
+            let point = self.timeline.point(Segment::Period, k as f64 / count as f64);
+            Instant { channel: c, sign: load.value.signum(), scale, point }
+        };
+        let instants: Vec<Instant> = (0..count).map(instant).collect();
+        let slopes = self.slopes(&trajectory, &instants);
+        let mut normal = vec![0.0; x.len()];
+        for (k, instant) in instants.iter().enumerate() {
+            self.add_row(&instant.point, slopes.sample(k), &mut normal);
         }
         Row { start: 0, normal, bound: 1.0 - self.mean_squares[c] }
     }
 
-    /// Adds the gradient of `scale · (sign · value + spread)` of a channel's load at a point of the motion.
-    fn add_row(
-        &mut self,
-        channel: usize,
-        sign: f64,
-        scale: f64,
-        motion: &dyn Trajectory,
-        point: &PathPoint,
-        normal: &mut [f64],
-    ) {
-        let n = self.model.dof();
-        let [mut dq, mut dqd, mut dqdd] = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
-        self.model.move_to(motion, self.basis.omega(), point);
-        self.model.slopes(&self.channels[channel], sign, scale, [&mut dq, &mut dqd, &mut dqdd]);
+    /// Slopes of `scale · (sign · value + spread)` at instants of the motion, by coordinates, velocities and accelerations.
+    fn slopes(&mut self, motion: &dyn Trajectory, instants: &[Instant]) -> States {
+        let (n, omega) = (self.model.dof(), self.basis.omega());
+        let places = n * self.model.phi.len();
+        let (mut states, mut slopes) = (States::new(n), States::with_len(n, instants.len()));
+        let mut all_weights = vec![0.0; places * instants.len()];
+        for (instant, weights) in instants.iter().zip(all_weights.chunks_exact_mut(places)) {
+            let channel = &self.channels[instant.channel];
+            let [q, qd, qdd] = self.model.move_channel_to(channel, motion, omega, &instant.point);
+            states.push(q, qd, qdd);
+            self.model.write_weights(channel, instant.sign, instant.scale, weights);
+        }
+        let weights = |k: usize, g: &mut [f64]| g.copy_from_slice(&all_weights[k * places..(k + 1) * places]);
+        self.model.regressor.adjoint_of_samples(states.arrays(), weights, slopes.arrays_mut());
+        slopes
+    }
+
+    /// Adds to a gradient by the variables what slopes at a point of the motion come to.
+    fn add_row(&self, point: &PathPoint, [dq, dqd, dqdd]: [&[f64]; 3], normal: &mut [f64]) {
         let mut row = Vec::new();
-        for j in 0..n {
+        for j in 0..self.model.dof() {
             let weights = point.weights([dq[j], dqd[j], dqdd[j]]);
             self.basis.add_combined_row(j, point.phase, weights, &mut row, normal);
         }
     }
+}
+
+/// Where the slopes of a channel's effort are asked for, of which sign, and times what.
+struct Instant {
+    channel: usize,
+    sign: f64,
+    scale: f64,
+    point: PathPoint,
 }
 
 impl SmoothLimits for EffortLimits {
@@ -165,11 +184,17 @@ impl SmoothLimits for EffortLimits {
     fn linearise(&mut self, x: &[f64], rows: &mut Vec<SmoothRow>) {
         self.look_at(x);
         let trajectory = self.basis.trajectory(x);
-        for peak in self.peaks.clone() {
-            let point = self.timeline.point(peak.segment, peak.part);
-            let scale = 1.0 / self.channels[peak.channel].peak;
+        let instant = |peak: &Peak| Instant {
+            channel: peak.channel,
+            sign: peak.sign,
+            scale: 1.0 / self.channels[peak.channel].peak,
+            point: self.timeline.point(peak.segment, peak.part),
+        };
+        let instants: Vec<Instant> = self.peaks.iter().map(instant).collect();
+        let slopes = self.slopes(&trajectory, &instants);
+        for (k, (peak, instant)) in self.peaks.iter().zip(&instants).enumerate() {
             let mut normal = vec![0.0; x.len()];
-            self.add_row(peak.channel, peak.sign, scale, &trajectory, &point, &mut normal);
+            self.add_row(&instant.point, slopes.sample(k), &mut normal);
             rows.push(SmoothRow {
                 row: Row { start: 0, normal, bound: 1.0 - peak.ratio },
                 limit: 3 * peak.channel + usize::from(peak.sign > 0.0),

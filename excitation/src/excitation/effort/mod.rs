@@ -11,6 +11,7 @@
 //! for the nominal parameters alone.
 
 mod channel;
+mod instants;
 mod limits;
 mod model;
 mod spread;

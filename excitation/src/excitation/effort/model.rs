@@ -19,18 +19,17 @@ use crate::trajectory::{PathPoint, Timeline, Trajectory};
 /// Efforts of a robot by parameters that are known with an uncertainty.
 #[derive(Clone, Debug)]
 pub struct EffortModel {
-    regressor: JointTorqueRegressor,
-    phi: Vec<f64>,
+    pub(super) regressor: JointTorqueRegressor,
+    pub(super) phi: Vec<f64>,
     /// Variance of each parameter, zero where it is taken as known.
-    variance: Vec<f64>,
-    multiple: f64,
+    pub(super) variance: Vec<f64>,
+    pub(super) multiple: f64,
     /// Where the row of each joint can differ from zero.
-    columns: Vec<Vec<Range<usize>>>,
+    pub(super) columns: Vec<Vec<Range<usize>>>,
     /// Regressor at the last instant, n × p.
     y: Vec<f64>,
     /// Row `w · Y` of the last channel, p.
     row: Vec<f64>,
-    g: Vec<f64>,
     state: [Vec<f64>; 3],
 }
 
@@ -93,8 +92,8 @@ impl EffortModel {
         let state = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
         let pattern = pattern(&regressor);
         let columns = pattern.chunks_exact(p).map(ranges).collect();
-        let (y, row, g) = (vec![0.0; n * p], vec![0.0; p], vec![0.0; n * p]);
-        Self { regressor, phi, variance, multiple, columns, y, row, g, state }
+        let (y, row) = (vec![0.0; n * p], vec![0.0; p]);
+        Self { regressor, phi, variance, multiple, columns, y, row, state }
     }
 
     /// Number of joints n.
@@ -123,21 +122,33 @@ impl EffortModel {
         omega: f64,
         point: &PathPoint,
     ) -> Load {
-        match channel.single() {
-            Some((joint, _)) => {
-                self.move_state_to(motion, omega, point);
-                let [q, qd, qdd] = &self.state;
-                self.regressor.evaluate_row(joint, q, qd, qdd, &mut self.y);
-            }
-            None => self.move_to(motion, omega, point),
-        }
+        self.move_channel_to(channel, motion, omega, point);
         self.load(channel)
     }
 
-    fn move_state_to(&mut self, motion: &dyn Trajectory, omega: f64, point: &PathPoint) {
+    /// Moves to an instant, for one channel alone. Returns the state there.
+    pub(super) fn move_channel_to(
+        &mut self,
+        channel: &Channel,
+        motion: &dyn Trajectory,
+        omega: f64,
+        point: &PathPoint,
+    ) -> [&[f64]; 3] {
+        self.move_state_to(motion, omega, point);
+        let [q, qd, qdd] = &self.state;
+        match channel.single() {
+            Some((joint, _)) => self.regressor.evaluate_row(joint, q, qd, qdd, &mut self.y),
+            None => self.regressor.evaluate(q, qd, qdd, &mut self.y),
+        }
+        self.state.each_ref().map(Vec::as_slice)
+    }
+
+    /// Returns the state at an instant of an experiment around a motion: coordinates, velocities and accelerations.
+    pub(super) fn move_state_to(&mut self, motion: &dyn Trajectory, omega: f64, point: &PathPoint) -> [&[f64]; 3] {
         let [q, qd, qdd] = &mut self.state;
         motion.evaluate(point.phase / omega, q, qd, qdd);
         point.scale_motion(qd, qdd);
+        self.state.each_ref().map(Vec::as_slice)
     }
 
     /// The effort of a channel where the model was last moved to.
@@ -156,6 +167,10 @@ impl EffortModel {
             value = dot(&self.row, &self.phi);
             variance = square(&self.row, &self.variance);
         }
+        self.load_of(value, variance)
+    }
+
+    pub(super) fn load_of(&self, value: f64, variance: f64) -> Load {
         let spread = if self.multiple > 0.0 { self.multiple * variance.sqrt() } else { 0.0 };
         Load { value, spread }
     }
@@ -171,20 +186,20 @@ impl EffortModel {
         }
     }
 
-    /// Adds `scale · ∂(sign · value + spread)/∂(q, q̇, q̈)` of the last channel to the slopes, n each.
-    pub(super) fn slopes(&mut self, channel: &Channel, sign: f64, scale: f64, slopes: [&mut [f64]; 3]) {
+    /// Writes into `g` (n × p) the derivatives of `scale · (sign · value + spread)` by the regressor's entries, of a channel where the
+    /// model was last moved to.
+    pub(super) fn write_weights(&mut self, channel: &Channel, sign: f64, scale: f64, g: &mut [f64]) {
         let Load { spread, .. } = self.load(channel);
         self.fill_row(channel);
         let p = self.phi.len();
         let factor = if spread > 0.0 { self.multiple * self.multiple / spread } else { 0.0 };
-        self.g.fill(0.0);
+        g.fill(0.0);
         for (i, &weight) in channel.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
             let row = self.row.iter().zip(&self.phi).zip(&self.variance);
-            for (g, ((y, phi), variance)) in self.g[i * p..(i + 1) * p].iter_mut().zip(row) {
+            for (g, ((y, phi), variance)) in g[i * p..(i + 1) * p].iter_mut().zip(row) {
                 *g = scale * weight * (sign * phi + factor * variance * y);
             }
         }
-        self.regressor.adjoint(self.state.each_ref().map(Vec::as_slice), &self.g, slopes);
     }
 
     /// Of sets of parameters drawn from the stated uncertainty, how many pass no peak limit of `channels` at any of some
