@@ -108,23 +108,15 @@ impl Information {
     /// Writes the rows of these states; those beyond them become zero.
     fn put(&mut self, states: &States) {
         let joints = &mut self.joints;
-        self.regressor.stack_in_parts(
-            states,
-            &self.kept,
-            1,
-            #[inline(always)]
-            |part| {
-                for (i, joint) in joints.iter_mut().enumerate() {
-                    let columns = &joint.columns;
-                    joint.rows.put_lines(
-                        (part.first, part.count),
-                        joint.weight,
-                        #[inline(always)]
-                        |place| part.line(i, columns[place]),
-                    );
+        self.regressor.stack_in_parts(states, &self.kept, 1, |part| {
+            for (i, joint) in joints.iter_mut().enumerate() {
+                for (place, &c) in joint.columns.iter().enumerate() {
+                    for (k, entry) in part.entries(i, c).iter().enumerate() {
+                        joint.rows.row_mut(part.first + k)[place] = joint.weight * entry;
+                    }
                 }
-            },
-        );
+            }
+        });
         joints.iter_mut().for_each(|joint| joint.rows.clear_from(states.len()));
     }
 

@@ -7,8 +7,6 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::regressor::BLOCKS_OF_PART;
-
 /// Rows and columns of a block. Sixteen sums fill half the registers of any 64-bit processor.
 const BLOCK: usize = 4;
 
@@ -35,29 +33,6 @@ impl PaddedRows {
     /// Row k, to be written.
     pub(super) fn row_mut(&mut self, k: usize) -> &mut [f64] {
         &mut self.values[k * self.stride..][..self.width]
-    }
-
-    /// Writes `count` rows from row `first` on, at most eight, times `factor`; `line(c)` has the entries of column c in all of them.
-    #[inline(always)]
-    pub(super) fn put_lines<'a>(
-        &mut self,
-        (first, count): (usize, usize),
-        factor: f64,
-        line: impl Fn(usize) -> &'a [f64; BLOCKS_OF_PART],
-    ) {
-        let width = self.width;
-        if width == 0 {
-            return;
-        }
-        let mut rows = self.values[first * self.stride..].chunks_exact_mut(self.stride).take(count);
-        let mut rows: [&mut [f64]; BLOCKS_OF_PART] =
-            std::array::from_fn(|_| rows.next().map_or_else(Default::default, |row| &mut row[..width]));
-        for c in 0..width {
-            let line = line(c);
-            for (row, entry) in rows[..count].iter_mut().zip(line) {
-                row[c] = factor * entry;
-            }
-        }
     }
 
     /// Sets all rows from row k on to zero.

@@ -16,7 +16,7 @@ use rand::RngExt;
 use super::error::{ExcitationError, above_zero, at_least_one};
 use super::limits::{interval, room_used};
 use crate::linalg::{solve_upper, triangular_factor};
-use crate::model::Robot;
+use crate::model::{Joint, Robot};
 use crate::seed::Seed;
 use crate::trajectory::{FourierJoint, FourierTrajectory, PeriodicMotion, Quantity};
 
@@ -54,15 +54,28 @@ pub(super) fn series_start(
     at_least_one("harmonics", highest)?;
     let mut rng = seed.stream("paper start", index);
     let count = START_VELOCITIES.max(4 * highest);
-    let mut joints = Vec::with_capacity(robot.dof());
-    for (joint, &harmonics) in robot.joints().iter().zip(harmonics) {
+    let mut draw = |joint: &Joint| -> Vec<f64> {
         // `radkhah2007`'s random velocities; where a joint states no speed limit, its shape alone counts.
         let speed = if joint.limits.velocity.is_finite() { joint.limits.velocity } else { 1.0 };
-        let velocities: Vec<f64> = (0..count).map(|_| rng.random_range(-speed..speed)).collect();
-        let (mut a, mut b) = fit_velocities(&velocities, harmonics);
-        a.resize(highest, 0.0);
-        b.resize(highest, 0.0);
-        joints.push(FourierJoint { name: joint.name.clone(), a, b, q0: 0.0 });
+        (0..count).map(|_| rng.random_range(-speed..speed)).collect()
+    };
+    let velocities: Vec<Vec<f64>> = robot.joints().iter().map(&mut draw).collect();
+    let none = vec![0.0; highest];
+    let joint = |joint: &Joint| FourierJoint { name: joint.name.clone(), a: none.clone(), b: none.clone(), q0: 0.0 };
+    let mut joints: Vec<FourierJoint> = robot.joints().iter().map(joint).collect();
+    // Joints of equally many harmonics share the factor of their basis.
+    for harmonics_alike in 1..=highest {
+        let alike: Vec<usize> = (0..robot.dof()).filter(|&j| harmonics[j] == harmonics_alike).collect();
+        if alike.is_empty() {
+            continue;
+        }
+        let lists: Vec<&[f64]> = alike.iter().map(|&j| &velocities[j][..]).collect();
+        let fits = fit_velocities(&lists, harmonics_alike);
+        for (&j, fit) in alike.iter().zip(fits) {
+            for (l, pair) in fit.chunks_exact(2).enumerate() {
+                (joints[j].a[l], joints[j].b[l]) = (pair[0], pair[1]);
+            }
+        }
     }
     let mut trajectory = FourierTrajectory { period_s, joints };
     for (j, joint) in robot.joints().iter().enumerate() {
@@ -85,26 +98,24 @@ pub(super) fn series_start(
     Ok(trajectory)
 }
 
-/// Least squares of the velocity basis on velocities at `t_m = m T / M`: `(a, b)`.
-fn fit_velocities(velocities: &[f64], harmonics: usize) -> (Vec<f64>, Vec<f64>) {
-    if harmonics == 0 {
-        return (Vec::new(), Vec::new());
-    }
-    let count = velocities.len();
-    let columns = 2 * harmonics;
-    let system = DMatrix::from_fn(count, columns + 1, |m, c| {
-        if c == columns {
-            return velocities[m];
+/// Least squares of the velocity basis on each of several lists of as many velocities at `t_m = m T / M`: `(a_1, b_1, …, a_H, b_H)`.
+fn fit_velocities(velocities: &[&[f64]], harmonics: usize) -> Vec<Vec<f64>> {
+    let (count, columns) = (velocities[0].len(), 2 * harmonics);
+    let system = DMatrix::from_fn(count, columns + velocities.len(), |m, c| {
+        if c >= columns {
+            return velocities[c - columns][m];
         }
         let (s, cos) = libm::sincos(std::f64::consts::TAU * ((m * (c / 2 + 1)) % count) as f64 / count as f64);
         if c % 2 == 0 { cos } else { s }
     });
-    // The last column of the factor of [A | q̇] is Qᵀ q̇.
+    // What follows the basis' own columns in the factor of [A | q̇ …] is Qᵀ q̇.
     let factor = triangular_factor(&system);
     let r = factor.view((0, 0), (columns, columns)).into_owned();
-    let projected = DVector::from_iterator(columns, factor.view((0, columns), (columns, 1)).iter().copied());
-    let delta = solve_upper(&r, &projected);
-    (delta.iter().step_by(2).copied().collect(), delta.iter().skip(1).step_by(2).copied().collect())
+    let fit = |c: usize| {
+        let projected = factor.view((0, columns + c), (columns, 1));
+        solve_upper(&r, &DVector::from_iterator(columns, projected.iter().copied())).iter().copied().collect()
+    };
+    (0..velocities.len()).map(fit).collect()
 }
 
 /// Scales the amplitudes of one joint until it uses its share of the tightest limit.
@@ -132,17 +143,17 @@ mod tests {
         let velocity = trajectory.curve(3, 1);
         let sample = |m: usize| velocity.value(std::f64::consts::TAU * m as f64 / 100.0);
         let exact: Vec<f64> = (0..100).map(sample).collect();
-        let (a, b) = fit_velocities(&exact, 5);
-        for l in 0..5 {
-            assert!((a[l] - trajectory.joints[3].a[l]).abs() < 1e-14);
-            assert!((b[l] - trajectory.joints[3].b[l]).abs() < 1e-14);
-        }
         // On equidistant samples least squares is the discrete Fourier sum.
         let rough: Vec<f64> = (0..100).map(|m| libm::sin((m * m) as f64)).collect();
-        let (a, _) = fit_velocities(&rough, 3);
+        let fits = fit_velocities(&[&exact, &rough], 5);
+        for l in 0..5 {
+            assert!((fits[0][2 * l] - trajectory.joints[3].a[l]).abs() < 1e-14);
+            assert!((fits[0][2 * l + 1] - trajectory.joints[3].b[l]).abs() < 1e-14);
+        }
         let sum: f64 =
             (0..100).map(|m| 0.02 * rough[m] * libm::cos(2.0 * std::f64::consts::TAU * m as f64 / 100.0)).sum();
-        assert!((a[1] - sum).abs() < 1e-14);
+        assert!((fits[1][2] - sum).abs() < 1e-14);
+        assert_eq!(fit_velocities(&[&rough], 5)[0], fits[1]);
     }
 
     #[test]
