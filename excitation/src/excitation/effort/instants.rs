@@ -108,3 +108,61 @@ fn add_product(line: &Line, (phi, variance): (f64, f64), value: &mut Line, sprea
         spread[k] += line[k] * line[k] * variance;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::RngExt;
+
+    use super::*;
+    use crate::chains::ChainRecipe;
+    use crate::excitation::effort::ParameterSpread;
+    use crate::excitation::radkhah2007_start;
+    use crate::model::Columns;
+    use crate::model::term::LOAD_FRICTION;
+    use crate::seed::Seed;
+    use crate::trajectory::{PathPoint, Segment, Timeline};
+
+    #[test]
+    fn identity_many_instants_have_the_bits_of_each_alone() {
+        for run in 0..8 {
+            let mut rng = Seed::new(41).stream("efforts", run);
+            let recipe = ChainRecipe { coupled: run % 2 == 1, ..ChainRecipe::new(1 + usize::try_from(run).unwrap()) };
+            let (robot, mut parameters) = recipe.draw(&mut rng);
+            let robot = robot
+                .with_joints(|joint| {
+                    (joint.limits.torque, joint.drive.current_limit) = (20.0, 3.0);
+                })
+                .unwrap();
+            if run % 3 == 2 {
+                parameters.drives.iter_mut().for_each(|drive| drive[LOAD_FRICTION] = 0.05);
+            }
+            let count = Columns::default().with_terms_of(&parameters).parameters(&robot).len();
+            let deviations = (0..count).map(|_| rng.random_range(0.0..0.3)).collect();
+            let spread = ParameterSpread { deviations, multiple: 1.6 };
+            let mut model = EffortModel::new(&robot, &parameters, Some(&spread));
+            let channels = Channel::all(&robot);
+            assert_eq!(channels.len(), 2 * robot.dof());
+
+            let motion = radkhah2007_start(&robot, 10.0, 3, Seed::new(2), run).unwrap();
+            let timeline = Timeline { period_s: 10.0, ramp_s: Some(1.0) };
+            let omega = std::f64::consts::TAU / timeline.period_s;
+            let segment = |k: usize| if k < 9 { Segment::RampIn } else { Segment::Period };
+            let points: Vec<PathPoint> = (0..21).map(|k| timeline.point(segment(k), k as f64 / 21.0)).collect();
+            let mut states = States::new(robot.dof());
+            for point in &points {
+                let [q, qd, qdd] = model.move_state_to(&motion, omega, point);
+                states.push(q, qd, qdd);
+            }
+            let mut loads = Vec::new();
+            model.add_loads(&states, &channels, &mut loads);
+            let mut found = loads.iter();
+            for (k, point) in points.iter().enumerate() {
+                for (c, channel) in channels.iter().enumerate() {
+                    let alone = model.load_at(channel, &motion, omega, point);
+                    assert_eq!(found.next(), Some(&alone), "chain {run}, instant {k}, channel {c}");
+                }
+            }
+            assert_eq!(found.next(), None);
+        }
+    }
+}
