@@ -5,7 +5,7 @@ use super::estimate::{BaseEstimate, Estimate};
 use super::residual::joint_rms;
 use crate::dynamics::{Dynamics, States};
 use crate::model::{Robot, StandardParameters};
-use crate::regressor::{JointTorqueRegressor, StackPart};
+use crate::regressor::{BLOCKS_OF_PART, JointTorqueRegressor, StackPart};
 use crate::signal::Samples;
 
 /// Torque that an estimate predicts for states, N × n row-major, N·m: `Y_b β̂`.
@@ -63,17 +63,12 @@ pub(super) fn predict_each(
     Ok(torques)
 }
 
-/// Torque of a joint at the samples of a part, by columns and their parameters.
+/// Torque of a joint at the samples of a part, N·m (N), by columns and their parameters; beyond the last sample it means nothing.
 #[inline(always)]
-fn joint_torque(part: &StackPart<'_>, joint: usize, values: &[(usize, f64)]) -> [f64; 8] {
-    let mut sums = [0.0; 8];
+fn joint_torque(part: &StackPart<'_>, joint: usize, values: &[(usize, f64)]) -> [f64; BLOCKS_OF_PART] {
+    let mut sums = [0.0; BLOCKS_OF_PART];
     for &(column, value) in values {
-        let entries = part.entries(joint, column);
-        // Of known length where all samples of a part are there.
-        match entries.first_chunk::<8>() {
-            Some(entries) => sums.iter_mut().zip(entries).for_each(|(sum, entry)| *sum += entry * value),
-            None => sums.iter_mut().zip(entries).for_each(|(sum, entry)| *sum += entry * value),
-        }
+        sums.iter_mut().zip(part.line(joint, column)).for_each(|(sum, entry)| *sum += entry * value);
     }
     sums
 }

@@ -35,6 +35,14 @@ pub struct EffortLimits {
     failed: Option<Place>,
 }
 
+/// Where the slopes of a channel's effort are asked for, of which sign, and times what.
+struct Instant {
+    channel: usize,
+    sign: f64,
+    scale: f64,
+    point: PathPoint,
+}
+
 impl EffortLimits {
     /// The part `use_at_most` of the limits of `channels`, watched on a grid of `samples` per period.
     pub fn new(
@@ -158,14 +166,6 @@ impl EffortLimits {
             self.basis.add_combined_row(j, point.phase, weights, &mut row, normal);
         }
     }
-}
-
-/// Where the slopes of a channel's effort are asked for, of which sign, and times what.
-struct Instant {
-    channel: usize,
-    sign: f64,
-    scale: f64,
-    point: PathPoint,
 }
 
 impl SmoothLimits for EffortLimits {
