@@ -15,29 +15,73 @@
 //! torque `τ` is followed with an error of about `(τ − J q̈) / Kp`, less what the integral takes.
 
 use super::motor_load::MotorLoad;
+use crate::lanes::Lane;
 use crate::model::ServoTuning;
 
 /// Highest natural frequency of the derivative over the rate of the servo, rad.
 const FASTEST: f64 = 0.3;
 
+/// The controller of one motor, and its current limit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MotorPid {
+    pub(super) kp: f64,
+    pub(super) kd: f64,
+    pub(super) ki: f64,
+    /// Ampere per unit of torque.
+    pub(super) ampere: f64,
+    limit: f64,
+    pub(super) smoothing: f64,
+    pub(super) dt: f64,
+    pub(super) rate_hz: f64,
+}
+
+/// What a controller remembers of a motor from step to step: error (rad), its filtered rate (rad/s), integral (N·m).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PidMemory<V> {
+    pub(super) last_error: V,
+    pub(super) rate: V,
+    pub(super) integral: V,
+}
+
+/// What a controller decides: a current (A); 1 where it is at its limit, else 0; 1 where the integral rests, else 0.
+pub(super) struct Decision<V> {
+    pub(super) current: V,
+    held: V,
+    rested: V,
+}
+
+impl MotorPid {
+    /// One step of one motor, of a run or of several; the `fresh` one has no error before it.
+    #[inline(always)]
+    pub(super) fn step<V: Lane>(&self, memory: &mut PidMemory<V>, command: V, measured: V, fresh: bool) -> Decision<V> {
+        let (zero, one, limit) = (command.splat(0.0), command.splat(1.0), command.splat(self.limit));
+        let error = command - measured;
+        let difference = if fresh { zero } else { (error - memory.last_error) * command.splat(self.rate_hz) };
+        memory.last_error = error;
+        memory.rate = memory.rate + command.splat(self.smoothing) * (difference - memory.rate);
+        let wanted = (command.splat(self.kp) * error + command.splat(self.kd) * memory.rate + memory.integral)
+            * command.splat(self.ampere);
+        let held = limit.less(wanted.magnitude(), one, zero);
+        let rested = zero.less(wanted * error, held, zero);
+        memory.integral = zero.less(
+            rested,
+            memory.integral,
+            memory.integral + command.splat(self.ki) * error * command.splat(self.dt),
+        );
+        let current = wanted.less(-limit, -limit, wanted);
+        Decision { current: limit.less(current, limit, current), held, rested }
+    }
+}
+
 /// The controllers of all motors, in motor coordinates after the gear.
 #[derive(Clone, Debug)]
 pub struct JointPid {
-    pub(super) kp: Vec<f64>,
-    pub(super) kd: Vec<f64>,
-    pub(super) ki: Vec<f64>,
-    /// Ampere per unit of torque.
-    pub(super) ampere: Vec<f64>,
-    limit: Vec<f64>,
-    pub(super) smoothing: Vec<f64>,
-    pub(super) dt: f64,
-    pub(super) rate_hz: f64,
+    pub(super) motors: Vec<MotorPid>,
+    memory: Vec<PidMemory<f64>>,
     /// Whether the last step left a current at its limit, and the integral as it was.
     pub(super) held: Vec<bool>,
     pub(super) rested: Vec<bool>,
-    integral: Vec<f64>,
-    rate: Vec<f64>,
-    last_error: Vec<f64>,
+    dt: f64,
     fresh: bool,
 }
 
@@ -63,20 +107,22 @@ impl JointPid {
         } else {
             on_inertia.map(|kp| (kp, base)).unzip()
         };
-        Self {
-            kd: load.inertia.iter().zip(&omega).map(|(j, omega)| 2.0 * tuning.damping * omega * j).collect(),
-            ki: kp.iter().map(|kp| kp * std::f64::consts::TAU * tuning.integral_hz).collect(),
-            kp,
-            ampere: per_ampere.iter().map(|k| 1.0 / k).collect(),
-            limit: limit.to_vec(),
-            smoothing: omega.iter().map(|omega| 1.0 - libm::exp(-10.0 * omega * dt)).collect(),
+        let motor = |i: usize| MotorPid {
+            kp: kp[i],
+            kd: 2.0 * tuning.damping * omega[i] * load.inertia[i],
+            ki: kp[i] * std::f64::consts::TAU * tuning.integral_hz,
+            ampere: 1.0 / per_ampere[i],
+            limit: limit[i],
+            smoothing: 1.0 - libm::exp(-10.0 * omega[i] * dt),
             dt,
             rate_hz: tuning.rate_hz,
-            integral: vec![0.0; n],
-            rate: vec![0.0; n],
+        };
+        Self {
+            motors: (0..n).map(motor).collect(),
+            memory: vec![PidMemory { last_error: 0.0, rate: 0.0, integral: 0.0 }; n],
             held: vec![false; n],
             rested: vec![false; n],
-            last_error: vec![0.0; n],
+            dt,
             fresh: true,
         }
     }
@@ -88,28 +134,31 @@ impl JointPid {
 
     /// Resets everything but the gains.
     pub fn reset(&mut self) {
-        self.integral.fill(0.0);
-        self.rate.fill(0.0);
+        for memory in &mut self.memory {
+            (memory.integral, memory.rate) = (0.0, 0.0);
+        }
         self.fresh = true;
     }
 
-    /// What is remembered from step to step: last errors, their filtered rates, integrals; n each.
-    pub(super) fn memory(&self) -> [&[f64]; 3] {
-        [&self.last_error, &self.rate, &self.integral]
+    /// What is remembered from step to step: last errors, their filtered rates, integrals; 3n.
+    pub(super) fn memory(&self) -> Vec<f64> {
+        let of: [fn(&PidMemory<f64>) -> f64; 3] = [|m| m.last_error, |m| m.rate, |m| m.integral];
+        of.iter().flat_map(|of| self.memory.iter().map(of)).collect()
     }
 
     /// Goes on from what was remembered elsewhere, as [`JointPid::memory`] gives it.
-    pub(super) fn recall(&mut self, [last_error, rate, integral]: [&[f64]; 3]) {
-        self.last_error.copy_from_slice(last_error);
-        self.rate.copy_from_slice(rate);
-        self.integral.copy_from_slice(integral);
+    pub(super) fn recall(&mut self, memory: &[f64]) {
+        let n = self.memory.len();
+        for (i, own) in self.memory.iter_mut().enumerate() {
+            *own = PidMemory { last_error: memory[i], rate: memory[n + i], integral: memory[2 * n + i] };
+        }
         self.fresh = false;
     }
 
     /// Adds these motor torques to the integrals, N·m; n.
     pub(super) fn add_to_integrals(&mut self, torque: &[f64]) {
-        for (integral, torque) in self.integral.iter_mut().zip(torque) {
-            *integral += torque;
+        for (memory, torque) in self.memory.iter_mut().zip(torque) {
+            memory.integral += torque;
         }
     }
 
@@ -119,25 +168,14 @@ impl JointPid {
         let (n, mut saturated) = (current.len(), false);
         // Of one known length, so that no entry is checked by itself.
         let [command, measured] = [command, measured].map(|x| &x[..n]);
-        let [kp, kd, ki, ampere, limit, smoothing] =
-            [&self.kp, &self.kd, &self.ki, &self.ampere, &self.limit, &self.smoothing].map(|x| &x[..n]);
-        let [integral, rate, last_error] =
-            [&mut self.integral, &mut self.rate, &mut self.last_error].map(|x| &mut x[..n]);
+        let (motors, memory) = (&self.motors[..n], &mut self.memory[..n]);
         let [was_held, rested] = [&mut self.held, &mut self.rested].map(|x| &mut x[..n]);
         for i in 0..n {
-            let error = command[i] - measured[i];
-            let difference = if self.fresh { 0.0 } else { (error - last_error[i]) * self.rate_hz };
-            last_error[i] = error;
-            rate[i] += smoothing[i] * (difference - rate[i]);
-            let wanted = (kp[i] * error + kd[i] * rate[i] + integral[i]) * ampere[i];
-            current[i] = wanted.clamp(-limit[i], limit[i]);
-            let held = wanted.abs() > limit[i];
-            saturated |= held;
-            was_held[i] = held;
-            rested[i] = held && wanted * error > 0.0;
-            if !rested[i] {
-                integral[i] += ki[i] * error * self.dt;
-            }
+            let decision = motors[i].step(&mut memory[i], command[i], measured[i], self.fresh);
+            current[i] = decision.current;
+            was_held[i] = decision.held > 0.0;
+            rested[i] = decision.rested > 0.0;
+            saturated |= was_held[i];
         }
         self.fresh = false;
         saturated
@@ -162,7 +200,7 @@ mod tests {
         let omega = std::f64::consts::TAU * 8.0;
         let of = |friction, load: &MotorLoad| {
             let pid = JointPid::new(&tuning(friction), load, &[15.0], &[1e9]);
-            (pid.kp[0], pid.kd[0], pid.smoothing[0])
+            (pid.motors[0].kp, pid.motors[0].kd, pid.motors[0].smoothing)
         };
         let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-14, "{a} {b}");
         // Without friction nothing changes.

@@ -45,17 +45,15 @@ pub enum Next {
 /// One experiment as a sequence of servo steps.
 #[derive(Clone, Debug)]
 pub struct Cycle {
-    timing: Timing,
+    pub(super) timing: Timing,
     names: Vec<String>,
     /// Ten times the speed limits.
-    runaway: Vec<f64>,
-    joints: JointLoop,
+    pub(super) runaway: Vec<f64>,
+    pub(super) joints: JointLoop,
     clock: Option<SampleClock>,
     slips: Option<ClockSlips>,
     tracking: Tracking,
-    step: usize,
-    sample: usize,
-    phase: usize,
+    pub(super) place: Place,
 }
 
 /// What is commanded when, shared by all runs of a plan.
@@ -66,6 +64,57 @@ pub(super) struct Timing {
     pub(super) rate_hz: f64,
     /// Servo steps.
     pub(super) per_sample: usize,
+}
+
+/// How far an experiment has come: servo steps, samples, spans of its layout.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Place {
+    step: usize,
+    sample: usize,
+    span: usize,
+}
+
+impl Place {
+    /// Whether a sample is due at the next step; `None` at the end of the experiment.
+    pub(super) fn begin(&mut self, timing: &Timing) -> Option<bool> {
+        let due = self.step.is_multiple_of(timing.per_sample);
+        let spans = &timing.layout.spans;
+        while due && spans.get(self.span).is_some_and(|span| self.sample >= span.samples.end) {
+            self.span += 1;
+        }
+        (self.span < spans.len()).then_some(due)
+    }
+
+    /// What the arm is doing: at the end, what it did last.
+    fn phase(&self, timing: &Timing) -> Phase {
+        timing.layout.spans.get(self.span).map_or(Phase::RampOut, |span| span.phase)
+    }
+
+    /// What is commanded at this step, n.
+    pub(super) fn command<'a>(&self, timing: &'a Timing) -> &'a [f64] {
+        timing.table.row(self.step)
+    }
+
+    /// Position and time of the next sample, s.
+    fn next_sample(&self, timing: &Timing) -> (usize, f64) {
+        (self.sample, self.sample as f64 / timing.rate_hz)
+    }
+
+    /// Goes on after a step, and hands its sample on where there is one; returns an ending where the sink stops the arm.
+    pub(super) fn finish(
+        &mut self,
+        timing: &Timing,
+        reported: Option<[&[f64]; 4]>,
+        sink: &mut dyn Sink,
+    ) -> Option<Ending> {
+        let (command, phase) = (self.command(timing), self.phase(timing));
+        self.step += 1;
+        let [q, effort, voltage, link_q] = reported?;
+        let (index, t) = self.next_sample(timing);
+        self.sample += 1;
+        let flow = sink.sample(&RawSample { index, t, phase, q, effort, voltage, link_q, command });
+        flow.ends().then_some(Ending::Stopped { t, phase, rest: Rest::Simulated })
+    }
 }
 
 impl Cycle {
@@ -84,9 +133,7 @@ impl Cycle {
             clock,
             slips,
             tracking: Tracking::new(robot.dof()),
-            step: 0,
-            sample: 0,
-            phase: 0,
+            place: Place::default(),
         }
     }
 
@@ -130,67 +177,59 @@ impl Cycle {
         sink: &mut dyn Sink,
         observer: &mut dyn FnMut(&TrueState<'_>),
     ) -> Next {
-        let due = self.step.is_multiple_of(self.timing.per_sample);
-        while due
-            && self.phase < self.timing.layout.spans.len()
-            && self.sample >= self.timing.layout.spans[self.phase].samples.end
-        {
-            self.phase += 1;
+        let Some(due) = self.place.begin(&self.timing) else { return Next::End(self.end(Ending::Completed)) };
+        if let Some(ending) = self.runaway(q, qd) {
+            return Next::End(ending);
         }
-        let Some(span) = self.timing.layout.spans.get(self.phase) else { return self.end(Ending::Completed) };
-        let phase = span.phase;
-        if let Some(reason) = self.runaway(q, qd) {
-            return self.end(Ending::Diverged { t: self.step as f64 * self.dt(), phase, reason });
-        }
-        let command = self.timing.table.row(self.step);
+        let (command, phase) = (self.place.command(&self.timing), self.place.phase(&self.timing));
         let saturated = self.joints.step(command, q, qd);
         self.tracking.saturated_steps += usize::from(saturated);
         if phase == Phase::Record {
             self.tracking.add(command, q, self.joints.tau(), self.joints.current());
         }
-        self.step += 1;
+        let mut reported = None;
         if due {
-            let (index, t) = (self.sample, self.sample as f64 / self.timing.rate_hz);
-            self.sample += 1;
+            let (index, t) = self.place.next_sample(&self.timing);
             // At the time that the sample is stamped with, unless the clock says otherwise. Where it is lost, the one before
             // stands in its place.
             let (late_s, lost) = self.clock.as_mut().map_or((0.0, false), |clock| (clock.lateness(), clock.loses()));
             self.joints.sense_late(late_s, lost);
             observer(&TrueState { index, t, phase, q, qd, tau: self.joints.tau() });
-            let mut put = |[q, effort, voltage, link_q]: [&[f64]; 4]| {
-                sink.sample(&RawSample { index, t, phase, q, effort, voltage, link_q, command })
-            };
-            let reported = self.joints.reported();
-            let flow = match &mut self.slips {
-                None => put(reported),
-                Some(slips) => put(slips.written(reported)),
-            };
-            if flow.ends() {
-                return self.end(Ending::Stopped { t, phase, rest: Rest::Simulated });
-            }
+            let values = self.joints.reported();
+            reported = Some(match &mut self.slips {
+                None => values,
+                Some(slips) => slips.written(values),
+            });
         }
-        Next::Step
+        match self.place.finish(&self.timing, reported, sink) {
+            Some(ending) => Next::End(self.end(ending)),
+            None => Next::Step,
+        }
     }
 
     /// Ends the experiment because the plant failed.
     pub fn fail(&mut self, fault: PlantError) -> Ending {
-        let phase = self.timing.layout.spans.get(self.phase).map_or(Phase::RampOut, |span| span.phase);
-        let t = self.step as f64 * self.dt();
-        self.tracking.finish();
-        Ending::Diverged { t, phase, reason: DivergenceError::Plant(fault) }
+        self.diverge(DivergenceError::Plant(fault))
     }
 
-    fn end(&mut self, ending: Ending) -> Next {
-        self.tracking.finish();
-        Next::End(ending)
+    fn diverge(&mut self, reason: DivergenceError) -> Ending {
+        let (t, phase) = (self.place.step as f64 * self.dt(), self.place.phase(&self.timing));
+        self.end(Ending::Diverged { t, phase, reason })
     }
 
-    fn runaway(&self, q: &[f64], qd: &[f64]) -> Option<DivergenceError> {
+    pub(super) fn end(&mut self, ending: Ending) -> Ending {
+        self.tracking.finish();
+        ending
+    }
+
+    /// Ends the experiment where the plant is at no finite state, or runs away.
+    pub(super) fn runaway(&mut self, q: &[f64], qd: &[f64]) -> Option<Ending> {
         if let Some(fault) = PlantError::of_state(q, qd) {
-            return Some(DivergenceError::Plant(fault));
+            return Some(self.fail(fault));
         }
         let i = qd.iter().zip(&self.runaway).position(|(qd, limit)| qd.abs() > *limit)?;
-        Some(DivergenceError::Speed { joint: self.names[i].clone(), found: qd[i].abs(), limit: self.runaway[i] / 10.0 })
+        let (joint, limit) = (self.names[i].clone(), self.runaway[i] / 10.0);
+        Some(self.diverge(DivergenceError::Speed { joint, found: qd[i].abs(), limit }))
     }
 }
 

@@ -33,11 +33,11 @@ use crate::seed::Seed;
 /// ```
 #[derive(Clone, Debug)]
 pub struct JointLoop {
-    effort: EffortInterface,
+    pub(super) effort: EffortInterface,
     pub(super) transmission: Transmission,
     pub(super) motors: Motors,
     pub(super) controller: JointPid,
-    sensors: Sensors,
+    pub(super) sensors: Sensors,
     /// What the arm's drives make of set points; `None` where they exert the commanded torque.
     drives: Option<Box<ActualDrives>>,
     /// Whether no current has been held since the motors were switched on.
@@ -124,6 +124,11 @@ impl JointLoop {
         self
     }
 
+    /// Whether each motor turns its own joint and has no effects, so that runs can stand side by side.
+    pub(super) fn is_plain(&self) -> bool {
+        self.transmission.forward.is_none() && self.drives.is_none() && self.sensors.plain().is_some()
+    }
+
     /// Length of a servo step, s.
     pub fn dt(&self) -> f64 {
         self.controller.dt()
@@ -138,7 +143,7 @@ impl JointLoop {
     /// What the servo remembers from step to step, in motor coordinates: last errors (rad), their filtered rates (rad/s) and
     /// integrals (N·m), 3n.
     pub fn memory(&self) -> Vec<f64> {
-        self.controller.memory().concat()
+        self.controller.memory()
     }
 
     /// Continues with this memory (3n), as if the servo had come to it.
@@ -146,9 +151,8 @@ impl JointLoop {
     /// # Panics
     /// If it is of another number of joints.
     pub fn recall(&mut self, memory: &[f64]) {
-        let n = self.tau.len();
-        assert_eq!(memory.len(), 3 * n, "three numbers for each motor");
-        self.controller.recall([&memory[..n], &memory[n..2 * n], &memory[2 * n..]]);
+        assert_eq!(memory.len(), 3 * self.tau.len(), "three numbers for each motor");
+        self.controller.recall(memory);
         self.fresh = true;
     }
 

@@ -52,8 +52,9 @@ impl LoopSlopes {
         let fresh = std::mem::take(&mut self.fresh);
         let (pid, motors) = (&joints.controller, &joints.motors);
         let forward = joints.transmission.forward.as_ref();
-        let n = pid.kp.len();
+        let n = pid.motors.len();
         for i in 0..n {
+            let motor = &pid.motors[i];
             let at = i * d..(i + 1) * d;
             let own = &mut self.motor[at.clone()];
             match forward {
@@ -67,13 +68,13 @@ impl LoopSlopes {
                 .zip(&mut self.integral[at.clone()]);
             for (((own, last), rate), integral) in rows {
                 let error = -*own;
-                let difference = if fresh { 0.0 } else { (error - *last) * pid.rate_hz };
+                let difference = if fresh { 0.0 } else { (error - *last) * motor.rate_hz };
                 *last = error;
-                *rate += pid.smoothing[i] * (difference - *rate);
-                let wanted = (pid.kp[i] * error + pid.kd[i] * *rate + *integral) * pid.ampere[i];
+                *rate += motor.smoothing * (difference - *rate);
+                let wanted = (motor.kp * error + motor.kd * *rate + *integral) * motor.ampere;
                 *own = if pid.held[i] { 0.0 } else { wanted };
                 if !pid.rested[i] {
-                    *integral += pid.ki[i] * error * pid.dt;
+                    *integral += motor.ki * error * motor.dt;
                 }
             }
             if let Some(slope) = motors.supply_slope(i, joints.qd_motor[i], joints.current[i]) {

@@ -1,5 +1,6 @@
 //! The motors as they really are: torque per ampere, supply, and the voltage that a current at a speed needs.
 
+use crate::lanes::Lane;
 use crate::model::{Drive, MotorCircuit};
 use crate::statistics::Interval;
 
@@ -22,23 +23,38 @@ impl Motors {
         }
     }
 
+    /// Whether currents (A) of motor i at speeds (after the gear, rad/s) are well below what its supply can drive, of all runs: then
+    /// nothing is held, and nothing needs a division.
+    #[inline(always)]
+    pub(super) fn is_far_below<V: Lane>(&self, i: usize, qd_motor: V, current: V) -> bool {
+        let Some(circuit) = &self.circuits[i] else { return true };
+        let speed = current.splat(self.gear[i]) * qd_motor;
+        let voltage = current.splat(circuit.resistance) * current.magnitude()
+            + (current.splat(circuit.back_emf) * speed).magnitude();
+        (voltage + current.splat(circuit.brush_drop))
+            .less(current.splat(0.99 * circuit.supply), current.splat(1.0), current.splat(0.0))
+            .reaches(1.0)
+    }
+
+    /// The current of motor i (A) held to what its supply can drive at its speed (after the gear, rad/s).
+    pub(super) fn held(&self, i: usize, qd_motor: f64, current: f64) -> f64 {
+        match &self.circuits[i] {
+            Some(circuit) if !self.is_far_below(i, qd_motor, current) => {
+                let Interval { low, high } = circuit.current_limits(self.gear[i] * qd_motor);
+                current.clamp(low, high)
+            }
+            _ => current,
+        }
+    }
+
     /// Holds the currents (A, n) to what the supply can drive at the motors' speeds (after the gear, rad/s, n);
     /// returns whether one was held.
     pub(super) fn saturate(&self, qd_motor: &[f64], current: &mut [f64]) -> bool {
         let mut saturated = false;
-        for (i, circuit) in self.circuits.iter().enumerate() {
-            if let Some(circuit) = circuit {
-                let speed = self.gear[i] * qd_motor[i];
-                // Well below what the supply can drive nothing is held, and nothing needs a division.
-                let voltage = circuit.resistance * current[i].abs() + (circuit.back_emf * speed).abs();
-                if voltage + circuit.brush_drop < 0.99 * circuit.supply {
-                    continue;
-                }
-                let Interval { low, high } = circuit.current_limits(speed);
-                let held = current[i].clamp(low, high);
-                saturated |= held != current[i];
-                current[i] = held;
-            }
+        for (i, current) in current.iter_mut().enumerate() {
+            let held = self.held(i, qd_motor[i], *current);
+            saturated |= held != *current;
+            *current = held;
         }
         saturated
     }

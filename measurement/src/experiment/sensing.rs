@@ -86,18 +86,19 @@ pub(super) struct Sensors {
 }
 
 #[derive(Clone, Debug)]
-struct Encoder {
+pub(super) struct Encoder {
     /// Counts per unit of the joint, with the encoder's sign; 0 where it does not quantise.
     counts: f64,
     step: f64,
-    grid: f64,
-    noise: f64,
+    /// Where the zero of the joint lies between two lines, −½ to ½.
+    pub(super) grid: f64,
+    pub(super) noise: f64,
     eccentricity: Option<Eccentricity>,
 }
 
 #[derive(Clone, Debug)]
-struct Ammeter {
-    noise: f64,
+pub(super) struct Ammeter {
+    pub(super) noise: f64,
     /// Smallest step, A; 0 where it does not quantise.
     lsb: f64,
     per_lsb: f64,
@@ -105,6 +106,28 @@ struct Ammeter {
     offset: f64,
     memory: Option<Memory>,
     spikes: Option<Spikes>,
+}
+
+impl Encoder {
+    /// What it says where the motor is at `q` and the zero of the joint at `grid`, of a run or of several.
+    #[inline(always)]
+    pub(super) fn reading<V: Lane>(&self, q: V, grid: V) -> V {
+        if self.counts == 0.0 { q } else { (q * q.splat(self.counts) + grid).nearest() * q.splat(self.step) }
+    }
+}
+
+impl Ammeter {
+    /// What the converter makes of a current, A, of a run or of several.
+    #[inline(always)]
+    pub(super) fn converted<V: Lane>(&self, current: V) -> V {
+        if self.lsb == 0.0 {
+            return current;
+        }
+        let (least, most) = (current.splat(-self.codes), current.splat(self.codes - 1.0));
+        let code = (current * current.splat(self.per_lsb)).nearest();
+        let code = code.less(least, least, code);
+        most.less(code, most, code) * current.splat(self.lsb)
+    }
 }
 
 impl Sensors {
@@ -184,8 +207,7 @@ impl Sensors {
             if encoder.noise > 0.0 {
                 q += encoder.noise * normal(&mut self.position_stream, self.sign);
             }
-            measured[i] =
-                if encoder.counts == 0.0 { q } else { (q * encoder.counts + encoder.grid).nearest() * encoder.step };
+            measured[i] = encoder.reading(q, encoder.grid);
         }
     }
 
@@ -205,10 +227,7 @@ impl Sensors {
     /// Motor currents as the sensors give them, A, n; `before` and `after` are held on either side of the sample.
     pub(super) fn currents(&mut self, before: &[f64], after: &[f64], measured: &mut [f64]) {
         // All noise first, so that no call stands between the arithmetic of one joint and the next.
-        for (meter, noise) in self.meters.iter_mut().zip(&mut *measured).filter(|(meter, _)| meter.noise > 0.0) {
-            let white = normal(&mut self.current_stream, self.sign);
-            *noise = meter.noise * meter.memory.as_mut().map_or(white, |memory| memory.next(white));
-        }
+        self.current_noise(|i, noise| measured[i] = noise);
         for (((meter, measured), before), after) in self.meters.iter().zip(measured).zip(before).zip(after) {
             let mut current = 0.5 * (before + after);
             if self.late != 0.0 {
@@ -223,11 +242,29 @@ impl Sensors {
             if let Some(spike) = meter.spikes.and_then(|spikes| spikes.reading(&mut self.spike_stream, self.sign)) {
                 current = spike;
             }
-            *measured = if meter.lsb == 0.0 {
-                current
-            } else {
-                (current * meter.per_lsb).nearest().clamp(-meter.codes, meter.codes - 1.0) * meter.lsb
-            };
+            *measured = meter.converted(current);
+        }
+    }
+
+    /// Encoders of the motors and ammeters alone, without faults: what [`super::joint_loops::JointLoops`] has in lanes.
+    pub(super) fn plain(&self) -> Option<(&[Encoder], &[Ammeter])> {
+        let sound = self.encoders.iter().all(|encoder| encoder.eccentricity.is_none())
+            && self.meters.iter().all(|meter| meter.memory.is_none() && meter.spikes.is_none() && meter.offset == 0.0);
+        (sound && self.links.is_none() && self.volts.is_empty()).then_some((&self.encoders, &self.meters))
+    }
+
+    /// The next noise of each position, rad (m), of encoders that have some.
+    pub(super) fn position_noise(&mut self, mut hand: impl FnMut(usize, f64)) {
+        for (i, encoder) in self.encoders.iter().enumerate().filter(|(_, encoder)| encoder.noise > 0.0) {
+            hand(i, encoder.noise * normal(&mut self.position_stream, self.sign));
+        }
+    }
+
+    /// The next noise of each current, A, of ammeters that have some.
+    pub(super) fn current_noise(&mut self, mut hand: impl FnMut(usize, f64)) {
+        for (i, meter) in self.meters.iter_mut().enumerate().filter(|(_, meter)| meter.noise > 0.0) {
+            let white = normal(&mut self.current_stream, self.sign);
+            hand(i, meter.noise * meter.memory.as_mut().map_or(white, |memory| memory.next(white)));
         }
     }
 

@@ -1,6 +1,7 @@
 //! Several runs of one arm, computed together.
 
-use armid::experiment::{ArmError, Cycle, Ending, ExperimentPlan, Next, Recorder, Recording, Servo, Sink};
+use armid::experiment::{ArmError, Cycle, CycleGroup, Ending, ExperimentPlan, Recorder, Recording, Servo, Sink};
+use armid::lanes::MOST_LANES;
 use armid::observer::{Observer, Unobserved};
 use armid::seed::RunNoise;
 
@@ -39,7 +40,7 @@ pub fn perform_runs<S: Sink>(
             Err(error) => endings[place] = Some(Err(error)),
         }
     }
-    for (member, ending) in perform(servo, &mut members, sinks) {
+    for (member, ending) in perform(servo, members, sinks) {
         endings[member] = Some(Ok(ending));
     }
     endings.into_iter().flatten().collect()
@@ -95,47 +96,38 @@ fn begin<S: Sink>(
 /// Steps all runs until the last has ended; every ending with the place of its run.
 fn perform<S: Sink>(
     servo: &Servo<AnalyticPlant>,
-    members: &mut [(usize, Cycle)],
+    members: Vec<(usize, Cycle)>,
     sinks: &mut [S],
 ) -> Vec<(usize, Ending)> {
     let mut batch = servo.plant().batch(members.len());
-    // One servo, so that steps and their parts are the same for every run.
-    let Some((dt, parts)) = members.first().map(|(_, cycle)| (cycle.dt(), cycle.parts())) else { return Vec::new() };
-    for (k, (_, cycle)) in members.iter().enumerate() {
-        batch.reset(k, cycle.start(), &vec![0.0; cycle.start().len()]);
+    let mut members = members.into_iter().peekable();
+    let mut groups = Vec::new();
+    while members.peek().is_some() {
+        groups.push(CycleGroup::new(members.by_ref().take(MOST_LANES).collect()));
     }
-    let mut endings: Vec<Option<Ending>> = vec![None; members.len()];
+    // One servo, so that steps and their parts are the same for every run.
+    let Some((dt, parts)) = groups.first().map(|group| (group.dt(), group.parts())) else { return Vec::new() };
+    for (run, start) in groups.iter().flat_map(CycleGroup::starts).enumerate() {
+        batch.reset(run, start, &vec![0.0; start.len()]);
+    }
     loop {
         let mut going = false;
-        for (k, (place, cycle)) in members.iter_mut().enumerate() {
-            if endings[k].is_some() {
-                continue;
-            }
-            let (q, qd) = batch.state(k);
-            match cycle.advance(q, qd, &mut sinks[*place], &mut |_| {}) {
-                Next::Step => going = true,
-                Next::End(ending) => endings[k] = Some(ending),
-            }
+        for (k, group) in groups.iter_mut().enumerate() {
+            let (q, qd, tau) = batch.group_mut(k);
+            going |= group.advance(q, qd, tau, sinks);
         }
         if !going {
-            let ended = members.iter().zip(endings);
-            return ended.filter_map(|((place, _), ending)| Some((*place, ending?))).collect();
+            return groups.into_iter().flat_map(CycleGroup::into_endings).collect();
         }
         for _ in 0..parts {
-            for (k, (_, cycle)) in members.iter_mut().enumerate() {
-                if endings[k].is_none() {
-                    let (q, qd) = batch.state(k);
-                    cycle.push(q, qd);
-                    batch.push(k, cycle.tau());
-                }
+            for (k, group) in groups.iter_mut().enumerate() {
+                let (q, qd, tau) = batch.group_mut(k);
+                group.push(q, qd, tau);
             }
             batch.step(dt / parts as f64);
-            for (k, (_, cycle)) in members.iter_mut().enumerate() {
-                if endings[k].is_none()
-                    && let Some(fault) = batch.fault(k)
-                {
-                    endings[k] = Some(cycle.fail(fault));
-                }
+            for (k, group) in groups.iter_mut().enumerate() {
+                let (q, qd, _) = batch.group(k);
+                group.check(q, qd);
             }
         }
     }

@@ -1,8 +1,9 @@
 //! Several runs of one arm that advance together, one per lane of the processor.
 
 use std::marker::PhantomData;
+use std::ops::Range;
 
-use armid::experiment::PlantError;
+use armid::experiment::{PlantError, Runs};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::chain::Chain;
@@ -29,7 +30,8 @@ use armid::lanes::{MOST_LANES, Wide};
 /// batch.step(1e-3);
 /// alone.reset(&[0.2; 4], &[0.0; 4]);
 /// alone.step(&[1.0; 4], 1e-3).unwrap();
-/// assert_eq!(batch.state(2), alone.state());
+/// let (q, qd) = batch.state(2);
+/// assert_eq!((&q[..], &qd[..]), alone.state());
 /// ```
 #[derive(Debug)]
 pub struct AnalyticBatch {
@@ -54,8 +56,27 @@ impl AnalyticBatch {
     ///
     /// # Panics
     /// If there is no such run.
-    pub fn state(&self, run: usize) -> (&[f64], &[f64]) {
-        self.members.state(run)
+    pub fn state(&self, run: usize) -> (Vec<f64>, Vec<f64>) {
+        assert!(run < self.runs(), "run {run} of {}", self.runs());
+        let (q, qd, _) = self.members.group(run / MOST_LANES);
+        let of_run = |joints: &[Runs]| joints.iter().map(|joint| joint[run % MOST_LANES]).collect();
+        (of_run(q), of_run(qd))
+    }
+
+    /// Coordinates, velocities and efforts of the joints of eight runs from `8 group` on, n each. Beyond the last run its own stand again.
+    ///
+    /// # Panics
+    /// If there is no such group.
+    pub fn group(&self, group: usize) -> (&[Runs], &[Runs], &[Runs]) {
+        self.members.group(group)
+    }
+
+    /// The same, with efforts that can be set.
+    ///
+    /// # Panics
+    /// If there is no such group.
+    pub fn group_mut(&mut self, group: usize) -> (&[Runs], &[Runs], &mut [Runs]) {
+        self.members.group_mut(group)
     }
 
     /// Puts one run into a state.
@@ -83,25 +104,34 @@ impl AnalyticBatch {
     /// What is wrong with the state of one run, if anything.
     pub fn fault(&self, run: usize) -> Option<PlantError> {
         let (q, qd) = self.state(run);
-        PlantError::of_state(q, qd)
+        PlantError::of_state(&q, &qd)
     }
 }
 
 /// A number of joints that is known when this is compiled, behind one that is not.
 pub(super) trait Members: std::fmt::Debug + Send {
     fn runs(&self) -> usize;
-    fn state(&self, run: usize) -> (&[f64], &[f64]);
+    fn group(&self, group: usize) -> (&[Runs], &[Runs], &[Runs]);
+    fn group_mut(&mut self, group: usize) -> (&[Runs], &[Runs], &mut [Runs]);
     fn reset(&mut self, run: usize, q: &[f64], qd: &[f64]);
     fn push(&mut self, run: usize, tau: &[f64]);
     fn step(&mut self, dt: f64, arch: Arch);
 }
 
+/// As many runs as lanes, joint by joint, aligned to lines of the cache.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+struct Group<const N: usize> {
+    q: [Runs; N],
+    v: [Runs; N],
+    tau: [Runs; N],
+}
+
 #[derive(Debug)]
 pub(super) struct Side<const N: usize, A> {
     chain: Chain<N>,
-    q: Vec<[f64; N]>,
-    v: Vec<[f64; N]>,
-    tau: Vec<[f64; N]>,
+    runs: usize,
+    groups: Vec<Group<N>>,
     advance: PhantomData<fn() -> A>,
 }
 
@@ -135,35 +165,66 @@ impl Advance for InTurn {
 
 impl<const N: usize, A> Side<N, A> {
     fn step_in_turn(&mut self, dt: f64) {
-        for ((q, v), tau) in self.q.iter_mut().zip(&mut self.v).zip(&self.tau) {
-            let mut state = State { q: *q, v: *v };
-            integrator::step_alone(&self.chain, &mut state, tau, dt);
-            (*q, *v) = (state.q, state.v);
+        for run in 0..self.runs {
+            let (lanes, lane) = (self.lanes(run), run % MOST_LANES);
+            let group = &mut self.groups[run / MOST_LANES];
+            let of_run = |joints: &[Runs; N]| std::array::from_fn(|i| joints[i][lane]);
+            let mut state = State { q: of_run(&group.q), v: of_run(&group.v) };
+            integrator::step_alone(&self.chain, &mut state, &of_run(&group.tau), dt);
+            for lane in lanes {
+                for i in 0..N {
+                    (group.q[i][lane], group.v[i][lane]) = (state.q[i], state.v[i]);
+                }
+            }
         }
     }
 
     pub(super) fn new(chain: &Chain<N>, state: &State<N, f64>, runs: usize) -> Self {
-        let (q, v, tau) = (vec![state.q; runs], vec![state.v; runs], vec![[0.0; N]; runs]);
-        Self { chain: chain.clone(), q, v, tau, advance: PhantomData }
+        let of_all = |joints: [f64; N]| joints.map(|x| [x; MOST_LANES]);
+        let group = Group { q: of_all(state.q), v: of_all(state.v), tau: [[0.0; MOST_LANES]; N] };
+        Self { chain: chain.clone(), runs, groups: vec![group; runs.div_ceil(MOST_LANES)], advance: PhantomData }
+    }
+
+    /// The lanes of a run: its own, and of the last one those that are left.
+    fn lanes(&self, run: usize) -> Range<usize> {
+        assert!(run < self.runs, "run {run} of {}", self.runs);
+        let lane = run % MOST_LANES;
+        lane..if run + 1 == self.runs { MOST_LANES } else { lane + 1 }
     }
 }
 
 impl<const N: usize, A: Advance> Members for Side<N, A> {
     fn runs(&self) -> usize {
-        self.q.len()
+        self.runs
     }
 
-    fn state(&self, run: usize) -> (&[f64], &[f64]) {
-        (&self.q[run], &self.v[run])
+    fn group(&self, group: usize) -> (&[Runs], &[Runs], &[Runs]) {
+        let Group { q, v, tau } = &self.groups[group];
+        (q, v, tau)
+    }
+
+    fn group_mut(&mut self, group: usize) -> (&[Runs], &[Runs], &mut [Runs]) {
+        let Group { q, v, tau } = &mut self.groups[group];
+        (q, v, tau)
     }
 
     fn reset(&mut self, run: usize, q: &[f64], qd: &[f64]) {
-        self.q[run].copy_from_slice(q);
-        self.v[run].copy_from_slice(qd);
+        assert!(q.len() == N && qd.len() == N, "{N} coordinates and velocities");
+        let lanes = self.lanes(run);
+        let group = &mut self.groups[run / MOST_LANES];
+        for i in 0..N {
+            group.q[i][lanes.clone()].fill(q[i]);
+            group.v[i][lanes.clone()].fill(qd[i]);
+        }
     }
 
     fn push(&mut self, run: usize, tau: &[f64]) {
-        self.tau[run].copy_from_slice(tau);
+        assert_eq!(tau.len(), N, "one effort for each joint");
+        let lanes = self.lanes(run);
+        let group = &mut self.groups[run / MOST_LANES];
+        for i in 0..N {
+            group.tau[i][lanes.clone()].fill(tau[i]);
+        }
     }
 
     fn step(&mut self, dt: f64, arch: Arch) {
@@ -177,29 +238,20 @@ struct Step<'a, const N: usize> {
     dt: f64,
 }
 
-/// One number of each of a chunk's runs; lanes beyond the last run repeat it.
+/// One number of each of the runs that fill the lanes of this processor, the first of them at a multiple of their number.
 #[inline(always)]
-fn load<const N: usize, S: Simd>(simd: S, runs: &[[f64; N]], first: usize) -> [Wide<S>; N] {
+fn load<const N: usize, S: Simd>(simd: S, joints: &[Runs; N], first: usize) -> [Wide<S>; N] {
     let mut out = [Wide::new(simd, simd.splat_f64s(0.0)); N];
-    let mut lanes = [0.0; MOST_LANES];
     for i in 0..N {
-        for l in 0..S::F64_LANES {
-            lanes[l] = runs[(first + l).min(runs.len() - 1)][i];
-        }
-        out[i] = Wide::new(simd, S::as_simd_f64s(&lanes).0[0]);
+        out[i] = Wide::new(simd, S::as_simd_f64s(&joints[i]).0[first / S::F64_LANES]);
     }
     out
 }
 
 #[inline(always)]
-fn store<const N: usize, S: Simd>(wide: &[Wide<S>; N], runs: &mut [[f64; N]], first: usize) {
-    let mut lanes = [0.0; MOST_LANES];
-    let last = runs.len().min(first + S::F64_LANES);
+fn store<const N: usize, S: Simd>(wide: &[Wide<S>; N], joints: &mut [Runs; N], first: usize) {
     for i in 0..N {
-        S::as_mut_simd_f64s(&mut lanes).0[0] = wide[i].x;
-        for run in first..last {
-            runs[run][i] = lanes[run - first];
-        }
+        S::as_mut_simd_f64s(&mut joints[i]).0[first / S::F64_LANES] = wide[i].x;
     }
 }
 
@@ -214,12 +266,13 @@ impl<const N: usize> WithSimd for Step<'_, N> {
             return;
         }
         let mut first = 0;
-        while first < side.q.len() {
-            let mut y = State { q: load(simd, &side.q, first), v: load(simd, &side.v, first) };
-            let tau = load(simd, &side.tau, first);
+        while first < side.runs {
+            let (group, lane) = (&mut side.groups[first / MOST_LANES], first % MOST_LANES);
+            let mut y = State { q: load(simd, &group.q, lane), v: load(simd, &group.v, lane) };
+            let tau = load(simd, &group.tau, lane);
             integrator::step(&side.chain, &mut y, &tau, dt);
-            store(&y.q, &mut side.q, first);
-            store(&y.v, &mut side.v, first);
+            store(&y.q, &mut group.q, lane);
+            store(&y.v, &mut group.v, lane);
             first += S::F64_LANES;
         }
     }
@@ -273,7 +326,8 @@ mod tests {
                     for _ in 0..50 {
                         alone.step(tau, 1e-3).unwrap();
                     }
-                    assert_eq!(batch.state(k), alone.state(), "chain {run}, run {k}, {arch:?}");
+                    let (q, qd) = batch.state(k);
+                    assert_eq!((&q[..], &qd[..]), alone.state(), "chain {run}, run {k}, {arch:?}");
                 }
             }
         }
