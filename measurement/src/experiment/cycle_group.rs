@@ -145,7 +145,9 @@ fn begin_step(members: &mut [Member], loops: &mut JointLoops, (q, qd): (&[Runs],
         }
         loops.command(lanes(run, runs), cycle.place.command(&cycle.timing));
         let sensors = &mut cycle.joints.sensors;
-        sensors.position_noise(|i, noise| loops.set_position_noise(lanes(run, runs), i, noise));
+        if loops.has_position_noise() {
+            sensors.position_noise(|i, noise| loops.set_position_noise(lanes(run, runs), i, noise));
+        }
         if *due {
             sensors.current_noise(|i, noise| loops.set_current_noise(run, i, noise));
         }

@@ -46,6 +46,7 @@ struct JointRuns {
 pub(super) struct JointLoops {
     joints: Vec<JointRuns>,
     motors: Motors,
+    position_noise: bool,
     fresh: bool,
     arch: Arch,
 }
@@ -80,8 +81,9 @@ impl JointLoops {
             current: NONE,
             effort: NONE,
         };
-        let joints = (0..first.motors.per_ampere.len()).map(joint).collect();
-        Some(Self { joints, motors: first.motors.clone(), fresh: true, arch: Arch::new() })
+        let joints: Vec<JointRuns> = (0..encoders.len()).map(joint).collect();
+        let position_noise = encoders.iter().any(|encoder| encoder.noise > 0.0);
+        Some(Self { joints, motors: first.motors.clone(), position_noise, fresh: true, arch: Arch::new() })
     }
 
     /// Commands these coordinates (n) on lanes of one run.
@@ -89,6 +91,11 @@ impl JointLoops {
         for (joint, command) in self.joints.iter_mut().zip(command) {
             joint.command[lanes.clone()].fill(*command);
         }
+    }
+
+    /// Whether an encoder has noise, which is to be set before each step.
+    pub(super) fn has_position_noise(&self) -> bool {
+        self.position_noise
     }
 
     /// The noise of joint i's position on lanes of one run, rad (m).
