@@ -100,14 +100,15 @@ impl Place {
         (self.sample, self.sample as f64 / timing.rate_hz)
     }
 
-    /// Goes on after a step, and hands its sample on where there is one; returns an ending where the sink stops the arm.
+    /// Goes on after a step under `command`, and hands its sample on where there is one; returns an ending where the sink stops the arm.
     pub(super) fn finish(
         &mut self,
         timing: &Timing,
+        command: &[f64],
         reported: Option<[&[f64]; 4]>,
         sink: &mut dyn Sink,
     ) -> Option<Ending> {
-        let (command, phase) = (self.command(timing), self.phase(timing));
+        let phase = self.phase(timing);
         self.step += 1;
         let [q, effort, voltage, link_q] = reported?;
         let (index, t) = self.next_sample(timing);
@@ -201,7 +202,7 @@ impl Cycle {
                 Some(slips) => slips.written(values),
             });
         }
-        match self.place.finish(&self.timing, reported, sink) {
+        match self.place.finish(&self.timing, command, reported, sink) {
             Some(ending) => Next::End(self.end(ending)),
             None => Next::Step,
         }

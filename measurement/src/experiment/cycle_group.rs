@@ -162,7 +162,9 @@ fn finish_step<S: Sink>(members: &mut [Member], loops: &JointLoops, rows: &mut [
             loops.read(run, q, effort);
         }
         let reported = due.then_some([&q[..], &effort[..], &[], &[]]);
-        *ending = cycle.place.finish(&cycle.timing, reported, &mut sinks[*place]).map(|stopped| cycle.end(stopped));
+        let command = cycle.place.command(&cycle.timing);
+        let stopped = cycle.place.finish(&cycle.timing, command, reported, &mut sinks[*place]);
+        *ending = stopped.map(|stopped| cycle.end(stopped));
     }
 }
 

@@ -37,24 +37,27 @@ impl Motors {
     }
 
     /// The current of motor i (A) held to what its supply can drive at its speed (after the gear, rad/s).
+    #[inline]
     pub(super) fn held(&self, i: usize, qd_motor: f64, current: f64) -> f64 {
-        match &self.circuits[i] {
-            Some(circuit) if !self.is_far_below(i, qd_motor, current) => {
-                let Interval { low, high } = circuit.current_limits(self.gear[i] * qd_motor);
-                current.clamp(low, high)
-            }
-            _ => current,
+        if self.is_far_below(i, qd_motor, current) {
+            return current;
         }
+        self.circuits[i].map_or(current, |circuit| {
+            let Interval { low, high } = circuit.current_limits(self.gear[i] * qd_motor);
+            current.clamp(low, high)
+        })
     }
 
     /// Holds the currents (A, n) to what the supply can drive at the motors' speeds (after the gear, rad/s, n);
     /// returns whether one was held.
     pub(super) fn saturate(&self, qd_motor: &[f64], current: &mut [f64]) -> bool {
         let mut saturated = false;
-        for (i, current) in current.iter_mut().enumerate() {
-            let held = self.held(i, qd_motor[i], *current);
-            saturated |= held != *current;
-            *current = held;
+        for (i, (current, qd_motor)) in current.iter_mut().zip(qd_motor).enumerate() {
+            if !self.is_far_below(i, *qd_motor, *current) {
+                let held = self.held(i, *qd_motor, *current);
+                saturated |= held != *current;
+                *current = held;
+            }
         }
         saturated
     }
