@@ -184,6 +184,8 @@ fn states<'a>(run: usize, (q, qd): (&[Runs], &[Runs]), rows: &'a mut [Vec<f64>; 
 
 #[cfg(test)]
 mod tests {
+    use pulp::Arch;
+
     use super::*;
     use crate::experiment::hinges::{self, FlyWheels};
     use crate::experiment::{ExperimentPlan, Flow, Plant, RawSample, Recording, Sensing, Servo};
@@ -254,9 +256,13 @@ mod tests {
         unreachable!("an experiment ends")
     }
 
-    fn together(cycles: Vec<Cycle>, fates: &[Fate], dof: usize) -> Vec<(Vec<f64>, Ending)> {
+    fn together(cycles: Vec<Cycle>, fates: &[Fate], dof: usize, arch: Arch) -> Vec<(Vec<f64>, Ending)> {
         let mut sinks: Vec<Until> = fates.iter().map(|fate| Until { most: fate.most, ..Until::default() }).collect();
         let mut group = CycleGroup::new(cycles.into_iter().enumerate().collect());
+        assert_eq!(group.loops.is_some(), group.members[0].cycle.joints.transmission.forward.is_none());
+        if let Some(loops) = &mut group.loops {
+            loops.arch = arch;
+        }
         let mut plants: Vec<FlyWheels> = group
             .starts()
             .map(|start| {
@@ -299,18 +305,23 @@ mod tests {
             .zip(&fates)
             .flat_map(|(run, fate)| servo.cycles(&fate.plan, &[Seed::new(3).of_run(run)]).unwrap())
             .collect();
-        let found = together(cycles.clone(), &fates, dof);
-        assert_eq!(found.len(), fates.len());
-        for (run, ((cycle, fate), found)) in cycles.into_iter().zip(&fates).zip(found).enumerate() {
-            let (said, ending) = alone(cycle, fate, dof);
-            assert!(!said.is_empty() && said == found.0, "run {run} of {}, {ending:?}", robot.name());
+        let expected: Vec<_> = cycles.iter().zip(&fates).map(|(cycle, fate)| alone(cycle.clone(), fate, dof)).collect();
+        assert!(expected.iter().all(|(said, _)| !said.is_empty()));
+        let mut widths = vec![Arch::Scalar, Arch::new()];
+        #[cfg(target_arch = "x86_64")]
+        widths.extend(pulp::x86::V3::try_new().map(Arch::V3));
+        for arch in widths {
+            let found = together(cycles.clone(), &fates, dof, arch);
+            assert!(found.iter().map(|run| &run.0).eq(expected.iter().map(|run| &run.0)), "{}, {arch:?}", robot.name());
             // As text, since a velocity that is no number equals nothing.
-            assert_eq!(format!("{ending:?}"), format!("{:?}", found.1), "run {run}");
+            let ending =
+                |runs: &[(Vec<f64>, Ending)]| format!("{:?}", runs.iter().map(|run| &run.1).collect::<Vec<_>>());
+            assert_eq!(ending(&found), ending(&expected));
         }
     }
 
     #[test]
-    fn identity_each_run_has_the_bits_and_the_ending_that_it_has_alone() {
+    fn identity_each_run_has_the_bits_and_the_ending_that_it_has_alone_on_any_width() {
         let coupled = hinges::coupled();
         let plain = coupled.clone().with_spec(|spec| spec.coupling = None).unwrap();
         let noisy = Sensing { position_noise: vec![1e-5, 0.0], ..Sensing::default() };

@@ -48,7 +48,7 @@ pub(super) struct JointLoops {
     motors: Motors,
     position_noise: bool,
     fresh: bool,
-    arch: Arch,
+    pub(super) arch: Arch,
 }
 
 impl JointLoops {
