@@ -34,7 +34,10 @@ impl Instruments<'_> {
         observation: &Observation,
         range: Range<usize>,
     ) -> Result<DMatrix<f64>, EstimationError> {
-        let of = |matrix: &DMatrix<f64>| matrix.columns_range(range.clone()).into_owned();
+        let of = |matrix: &DMatrix<f64>| {
+            let rows = matrix.nrows();
+            DMatrix::from_vec(rows, range.len(), matrix.as_slice()[range.start * rows..range.end * rows].to_vec())
+        };
         Ok(match self {
             Self::Regressor => of(&observation.regressor),
             Self::Weighted(weights) => (*weights).clone().precision(&of(&observation.regressor), &observation.used)?,

@@ -15,6 +15,8 @@ use crate::linalg::column_squares;
 pub(super) struct JointProducts {
     /// Joint and column of each row, and of each column.
     places: Vec<(usize, usize)>,
+    /// Joint, first column and number of columns of places that follow each other.
+    runs: Vec<(usize, usize, usize)>,
     sums: DMatrix<f64>,
     /// b.
     columns: usize,
@@ -33,24 +35,22 @@ impl JointProducts {
         for (mut column, &(i, j)) in entries.column_iter_mut().zip(&places) {
             put_joint_entries(rows, dof, i, j, column.as_mut_slice());
         }
-        Self { sums: column_squares(&entries), places, columns }
+        let runs = places.chunk_by(|a, b| a.0 == b.0 && a.1 + 1 == b.1).map(|run| (run[0].0, run[0].1, run.len()));
+        Self { sums: column_squares(&entries), runs: runs.collect(), places, columns }
     }
 
     /// `Σ_k W_kᵀ Q W_k`, b × b, for Q (n × n).
     pub(super) fn between(&self, q: &DMatrix<f64>) -> DMatrix<f64> {
         let mut sum = DMatrix::zeros(self.columns, self.columns);
         for (sums, &(j, column)) in self.sums.column_iter().zip(&self.places) {
-            let mut done = 0;
-            let (mut sum, q, sums) = (sum.column_mut(column), q.column(j), sums.as_slice());
-            let sum = sum.as_mut_slice();
-            for own in self.places.chunk_by(|a, b| a.0 == b.0) {
-                let (size, first) = (q[own[0].0], done);
-                done += own.len();
-                if size == 0.0 {
-                    continue;
-                }
-                for (of_pair, &(_, row)) in sums[first..].iter().zip(own) {
-                    sum[row] += size * of_pair;
+            let (mut sum, q, mut rest) = (sum.column_mut(column), q.column(j), sums.as_slice());
+            for &(i, row, count) in &self.runs {
+                let (own, after) = rest.split_at(count);
+                rest = after;
+                let size = q[i];
+                if size != 0.0 {
+                    let to = &mut sum.as_mut_slice()[row..row + count];
+                    to.iter_mut().zip(own).for_each(|(sum, of_pair)| *sum += size * of_pair);
                 }
             }
         }

@@ -181,7 +181,7 @@ impl JointLoop {
     pub fn step(&mut self, command: &[f64], q: &[f64], qd: &[f64]) -> bool {
         self.transmission.motor_motion(q, &mut self.q_motor);
         self.transmission.motor_motion(qd, &mut self.qd_motor);
-        self.transmission.motor_motion(command, &mut self.command_motor);
+        let command = self.transmission.motor_view(command, &mut self.command_motor);
         if self.sensors.has_links() {
             self.links[0].copy_from_slice(q);
             self.links[1].copy_from_slice(qd);
@@ -192,17 +192,19 @@ impl JointLoop {
         }
         self.sensors.positions(&self.q_motor, &mut self.measured);
         std::mem::swap(&mut self.before, &mut self.current);
-        let mut saturated = self.controller.step(&self.command_motor, &self.measured, &mut self.current);
+        let mut saturated = self.controller.step(command, &self.measured, &mut self.current);
         saturated |= self.motors.saturate(&self.qd_motor, &mut self.current);
         if std::mem::take(&mut self.fresh) {
             self.before.copy_from_slice(&self.current);
         }
-        for ((torque, per_ampere), current) in
-            self.torque_motor.iter_mut().zip(&self.motors.per_ampere).zip(&self.current)
-        {
+        let is_direct = self.transmission.forward.is_none();
+        let torque = if is_direct { &mut self.tau } else { &mut self.torque_motor };
+        for ((torque, per_ampere), current) in torque.iter_mut().zip(&self.motors.per_ampere).zip(&self.current) {
             *torque = per_ampere * current;
         }
-        self.transmission.joint_torque(&self.torque_motor, &mut self.tau);
+        if !is_direct {
+            self.transmission.joint_torque(&self.torque_motor, &mut self.tau);
+        }
         if let Some(drives) = &mut self.drives {
             drives.set(&self.current);
         }
@@ -246,19 +248,18 @@ impl JointLoop {
             }
             self.sensors.positions(&self.q_motor, &mut self.measured);
         }
-        self.sensors.currents(&self.before, &self.current, &mut self.sensed);
+        let is_reported = self.effort == EffortInterface::Current && !lost;
+        let sensed = if is_reported { &mut self.reported } else { &mut self.sensed };
+        self.sensors.currents(&self.before, &self.current, sensed);
         if lost {
             return;
         }
         self.transmission.joint_motion(&self.measured, &mut self.q);
-        match self.effort {
-            EffortInterface::Current => self.reported.copy_from_slice(&self.sensed),
-            EffortInterface::Torque => {
-                for i in 0..self.sensed.len() {
-                    self.torque_motor[i] = self.transmission.per_ampere[i] * self.sensed[i];
-                }
-                self.transmission.joint_torque(&self.torque_motor, &mut self.reported);
+        if self.effort == EffortInterface::Torque {
+            for i in 0..self.sensed.len() {
+                self.torque_motor[i] = self.transmission.per_ampere[i] * self.sensed[i];
             }
+            self.transmission.joint_torque(&self.torque_motor, &mut self.reported);
         }
         if self.sensors.has_links() {
             let [q, qd] = &self.links;

@@ -30,6 +30,7 @@ mod limit_check;
 mod loop_slopes;
 mod motor_load;
 mod motors;
+mod normals;
 mod phase;
 mod plan;
 mod plan_error;

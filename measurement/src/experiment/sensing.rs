@@ -9,9 +9,8 @@
 //! servo period centred on the sample; the current steps at the sample, so it reads the mean of the two steps, which
 //! is the current at that instant to second order.
 
-use rand_distr::{Distribution, StandardNormal};
-
 use super::effects::{ActualSensors, Eccentricity, Memory, Spikes};
+use super::normals::Normals;
 use crate::lanes::Lane;
 use crate::model::Robot;
 use crate::seed::{RunNoise, Stream};
@@ -73,11 +72,11 @@ pub(super) struct Sensors {
     meters: Vec<Ammeter>,
     /// Noise of each voltage, V; empty where none is reported.
     volts: Vec<f64>,
-    voltage_stream: Stream,
+    voltage_normals: Normals,
     /// Step of the encoders at the links, rad (m), and where each zero lies between two of its lines; `None` where there are none.
     links: Option<(f64, Vec<f64>)>,
-    position_stream: Stream,
-    current_stream: Stream,
+    position_normals: Normals,
+    current_normals: Normals,
     spike_stream: Stream,
     /// 1, or −1 in a run with opposite noise.
     sign: f64,
@@ -167,9 +166,9 @@ impl Sensors {
             meters: meters.collect(),
             volts,
             links,
-            voltage_stream: run.stream("voltage noise"),
-            position_stream: run.stream("position noise"),
-            current_stream: run.stream("current noise"),
+            voltage_normals: Normals::new(run.stream("voltage noise")),
+            position_normals: Normals::new(run.stream("position noise")),
+            current_normals: Normals::new(run.stream("current noise")),
             spike_stream: run.stream("torque spikes"),
             sign: run.sign(),
             late: 0.0,
@@ -205,7 +204,7 @@ impl Sensors {
                 q += eccentricity.error(q);
             }
             if encoder.noise > 0.0 {
-                q += encoder.noise * normal(&mut self.position_stream, self.sign);
+                q += encoder.noise * self.sign * self.position_normals.draw();
             }
             measured[i] = encoder.reading(q, encoder.grid);
         }
@@ -256,14 +255,14 @@ impl Sensors {
     /// The next noise of each position, rad (m), of encoders that have some.
     pub(super) fn position_noise(&mut self, mut hand: impl FnMut(usize, f64)) {
         for (i, encoder) in self.encoders.iter().enumerate().filter(|(_, encoder)| encoder.noise > 0.0) {
-            hand(i, encoder.noise * normal(&mut self.position_stream, self.sign));
+            hand(i, encoder.noise * self.sign * self.position_normals.draw());
         }
     }
 
     /// The next noise of each current, A, of ammeters that have some.
     pub(super) fn current_noise(&mut self, mut hand: impl FnMut(usize, f64)) {
         for (i, meter) in self.meters.iter_mut().enumerate().filter(|(_, meter)| meter.noise > 0.0) {
-            let white = normal(&mut self.current_stream, self.sign);
+            let white = self.sign * self.current_normals.draw();
             hand(i, meter.noise * meter.memory.as_mut().map_or(white, |memory| memory.next(white)));
         }
     }
@@ -277,15 +276,10 @@ impl Sensors {
     pub(super) fn voltages(&mut self, measured: &mut [f64]) {
         for (value, &noise) in measured.iter_mut().zip(&self.volts) {
             if noise > 0.0 {
-                *value += noise * normal(&mut self.voltage_stream, self.sign);
+                *value += noise * self.sign * self.voltage_normals.draw();
             }
         }
     }
-}
-
-fn normal(stream: &mut Stream, sign: f64) -> f64 {
-    let white: f64 = StandardNormal.sample(stream);
-    sign * white
 }
 
 #[cfg(test)]

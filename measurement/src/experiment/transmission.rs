@@ -45,6 +45,15 @@ impl Transmission {
         combine(self.forward.as_ref(), |i, j| (i, j), joints, motors);
     }
 
+    /// The same: the joints' own, not copied, where motors are not coupled; else in `room`.
+    pub(super) fn motor_view<'a>(&self, joints: &'a [f64], room: &'a mut [f64]) -> &'a [f64] {
+        if self.forward.is_none() {
+            return joints;
+        }
+        self.motor_motion(joints, room);
+        room
+    }
+
     /// Joint coordinates from motor coordinates: `C⁻¹ q_motor`. Both of length n.
     pub fn joint_motion(&self, motors: &[f64], joints: &mut [f64]) {
         combine(self.inverse.as_ref(), |i, j| (i, j), motors, joints);

@@ -19,30 +19,49 @@ use nalgebra::Complex;
 /// ```
 #[derive(Clone, Debug)]
 pub struct FourierTransform {
+    len: usize,
+    /// From the whole signal to single samples.
+    levels: Vec<Level>,
+}
+
+/// How p transforms of m samples each become one of p m.
+#[derive(Clone, Debug)]
+struct Level {
+    /// p.
+    factor: usize,
+    /// `exp(−2πi r k / p m)` for r = 1 … p − 1, k by k, in the order in which they are needed.
+    turns: Vec<Complex<f64>>,
+    /// `exp(−2πi s / p)`.
     roots: Vec<Complex<f64>>,
-    factors: Vec<usize>,
 }
 
 impl FourierTransform {
     /// A transform of `len` samples.
     pub fn new(len: usize) -> Self {
-        let roots = (0..len)
-            .map(|k| {
-                let (s, c) = libm::sincos(-std::f64::consts::TAU * k as f64 / len as f64);
-                Complex::new(c, s)
-            })
-            .collect();
-        Self { roots, factors: radices(len) }
+        let root = |k: usize| {
+            let (s, c) = libm::sincos(-std::f64::consts::TAU * k as f64 / len as f64);
+            Complex::new(c, s)
+        };
+        let mut stride = 1;
+        let level = |factor: usize| {
+            // exp(−2πi j / p m) is the root number j · stride, since p m · stride is the whole length.
+            let (own, m) = (stride, len / (stride * factor));
+            stride *= factor;
+            let turns = (0..m).flat_map(|k| (1..factor).map(move |r| r * k * own)).map(root).collect();
+            let roots = (0..factor).map(|s| root(s * m * own)).collect();
+            Level { factor, turns, roots }
+        };
+        Self { len, levels: radices(len).into_iter().map(level).collect() }
     }
 
     /// Number of samples N.
     pub fn len(&self) -> usize {
-        self.roots.len()
+        self.len
     }
 
     /// Whether the transform is of no samples at all.
     pub fn is_empty(&self) -> bool {
-        self.roots.is_empty()
+        self.len == 0
     }
 
     /// The spectrum X (N lines) of a real signal.
@@ -80,69 +99,72 @@ impl FourierTransform {
     pub fn forward(&self, x: &[Complex<f64>]) -> Vec<Complex<f64>> {
         assert_eq!(x.len(), self.len(), "one value per sample of the transform");
         let mut out = vec![Complex::new(0.0, 0.0); x.len()];
-        let widest = self.factors.iter().copied().max().unwrap_or(1);
+        let widest = self.levels.iter().map(|level| level.factor).max().unwrap_or(1);
         let mut scratch = vec![Complex::new(0.0, 0.0); widest];
-        self.transform(x, 1, &self.factors, &mut out, &mut scratch);
+        transform(x, 1, &self.levels, &mut out, &mut scratch);
         out
     }
+}
 
-    /// `out` becomes the transform of the n = `out.len()` values `x[0], x[stride], …`, where n is the product of `factors`.
-    fn transform(
-        &self,
-        x: &[Complex<f64>],
-        stride: usize,
-        factors: &[usize],
-        out: &mut [Complex<f64>],
-        scratch: &mut [Complex<f64>],
-    ) {
-        let Some((&p, rest)) = factors.split_first() else {
-            out.copy_from_slice(&x[..out.len()]);
-            return;
-        };
-        let m = out.len() / p;
-        if m == 1 {
-            for (out, &x) in out.iter_mut().zip(x.iter().step_by(stride)) {
-                *out = x;
-            }
-        } else {
-            for (r, out) in out.chunks_exact_mut(m).enumerate() {
-                self.transform(&x[r * stride..], stride * p, rest, out, scratch);
-            }
+/// `out` becomes the transform of the n = `out.len()` values `x[0], x[stride], …`, where n is the product of the levels' factors.
+fn transform(
+    x: &[Complex<f64>],
+    stride: usize,
+    levels: &[Level],
+    out: &mut [Complex<f64>],
+    scratch: &mut [Complex<f64>],
+) {
+    let Some((level, rest)) = levels.split_first() else {
+        out.copy_from_slice(&x[..out.len()]);
+        return;
+    };
+    let p = level.factor;
+    let m = out.len() / p;
+    if m == 1 {
+        for (out, &x) in out.iter_mut().zip(x.iter().step_by(stride)) {
+            *out = x;
         }
-        match p {
-            2 => self.combine(stride, m, out, &mut [Complex::ZERO; 2]),
-            3 => self.combine(stride, m, out, &mut [Complex::ZERO; 3]),
-            4 => self.combine_four(stride, m, out),
-            5 => self.combine(stride, m, out, &mut [Complex::ZERO; 5]),
-            _ => self.combine(stride, m, out, &mut scratch[..p]),
+    } else {
+        for (r, out) in out.chunks_exact_mut(m).enumerate() {
+            transform(&x[r * stride..], stride * p, rest, out, scratch);
         }
     }
+    match p {
+        2 => level.combine(out, &mut [Complex::ZERO; 2]),
+        3 => level.combine(out, &mut [Complex::ZERO; 3]),
+        4 => level.combine_four(out),
+        5 => level.combine(out, &mut [Complex::ZERO; 5]),
+        _ => level.combine(out, &mut scratch[..p]),
+    }
+}
 
-    // exp(−2πi j / n) is the root number j · stride, since n · stride is the whole length.
-
-    /// As many transforms of m values each as `parts` has places to one: inlined, so that a known number of them is unrolled.
+impl Level {
+    /// Inlined, with as many parts as the factor, so that a known number of them is unrolled.
     #[inline(always)]
-    fn combine(&self, stride: usize, m: usize, out: &mut [Complex<f64>], parts: &mut [Complex<f64>]) {
-        for k in 0..m {
+    fn combine(&self, out: &mut [Complex<f64>], parts: &mut [Complex<f64>]) {
+        let p = parts.len();
+        let m = out.len() / p;
+        for (k, turns) in self.turns.chunks_exact(p - 1).enumerate() {
             parts[0] = out[k];
-            for r in 1..parts.len() {
-                parts[r] = out[r * m + k] * self.roots[r * k * stride];
+            for r in 1..p {
+                parts[r] = out[r * m + k] * turns[r - 1];
             }
-            self.sums(parts, m * stride, |s, sum| out[s * m + k] = sum);
+            self.sums(parts, |s, sum| out[s * m + k] = sum);
         }
     }
 
-    /// The transform of two values or an odd number of them; roots of their number are `apart` places from each other.
+    /// The transform of two values or an odd number of them.
     ///
     /// Roots w and w̄ of a pair share their products: `a w + b w̄ = Re w (a + b) + i Im w (a − b)`.
     #[inline(always)]
-    fn sums(&self, parts: &mut [Complex<f64>], apart: usize, mut put: impl FnMut(usize, Complex<f64>)) {
+    fn sums(&self, parts: &mut [Complex<f64>], mut put: impl FnMut(usize, Complex<f64>)) {
         let (p, half) = (parts.len(), parts.len() / 2);
         if p == 2 {
             put(0, parts[0] + parts[1]);
             put(1, parts[0] - parts[1]);
             return;
         }
+        let roots = &self.roots[..p];
         let mut all = parts[0];
         for r in 1..=half {
             let (a, b) = (parts[r], parts[p - r]);
@@ -157,7 +179,7 @@ impl FourierTransform {
                 if turn >= p {
                     turn -= p;
                 }
-                let root = self.roots[turn * apart];
+                let root = roots[turn];
                 even += parts[r] * root.re;
                 odd += parts[p - r] * root.im;
             }
@@ -168,14 +190,14 @@ impl FourierTransform {
     }
 
     /// Four, whose roots are ±1 and ±i.
-    fn combine_four(&self, stride: usize, m: usize, out: &mut [Complex<f64>]) {
+    fn combine_four(&self, out: &mut [Complex<f64>]) {
+        let m = out.len() / 4;
         let (first, rest) = out.split_at_mut(m);
         let (second, rest) = rest.split_at_mut(m);
         let (third, fourth) = rest.split_at_mut(m);
         let (second, third, fourth) = (&mut second[..m], &mut third[..m], &mut fourth[..m]);
-        for k in 0..m {
-            let root = |r: usize| self.roots[r * k * stride];
-            let (x, y, z) = (second[k] * root(1), third[k] * root(2), fourth[k] * root(3));
+        for (k, turns) in self.turns.as_chunks::<3>().0[..m].iter().enumerate() {
+            let (x, y, z) = (second[k] * turns[0], third[k] * turns[1], fourth[k] * turns[2]);
             let (a, b) = (first[k] + y, first[k] - y);
             let (c, d) = (x + z, x - z);
             let d = Complex::new(d.im, -d.re);

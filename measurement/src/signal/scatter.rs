@@ -55,11 +55,11 @@ fn circular_means(rows: &[f64], n: usize, block: usize) -> Vec<f64> {
         sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += value);
     }
     let mut means = Vec::with_capacity(rows.len());
-    for first in (0..rows.len()).step_by(n) {
-        let behind = (first + block * n) % rows.len();
-        for (i, sum) in sums.iter_mut().enumerate() {
-            means.push(*sum / block as f64);
-            *sum += rows[behind + i] - rows[first + i];
+    let behind = rows[block * n..].chunks_exact(n).chain(rows.chunks_exact(n));
+    for (first, behind) in rows.chunks_exact(n).zip(behind) {
+        means.extend(sums.iter().map(|sum| sum / block as f64));
+        for (sum, (behind, first)) in sums.iter_mut().zip(behind.iter().zip(first)) {
+            *sum += behind - first;
         }
     }
     means

@@ -46,10 +46,13 @@ impl BlockWhitening {
     /// # Errors
     /// [`LeastSquaresError::Blocks`] where the rows are no multiple of n, or not as many as marks.
     pub fn whiten(&mut self, w: &DMatrix<f64>, used: &[bool]) -> Result<DMatrix<f64>, LeastSquaresError> {
-        self.on_blocks(w, used, |l, block| {
+        self.on_blocks(w, used, |rows, block| {
+            let mut rest = rows;
             for i in 0..block.len() {
-                let sum: f64 = (0..i).map(|j| l[(i, j)] * block[j]).sum();
-                block[i] = (block[i] - sum) / l[(i, i)];
+                let (row, others) = rest.split_at(i + 1);
+                let sum: f64 = row.iter().zip(&block[..i]).map(|(l, x)| l * x).sum();
+                block[i] = (block[i] - sum) / row[i];
+                rest = others;
             }
         })
     }
@@ -59,10 +62,11 @@ impl BlockWhitening {
     /// # Errors
     /// As [`Self::whiten`].
     pub fn whiten_transposed(&mut self, w: &DMatrix<f64>, used: &[bool]) -> Result<DMatrix<f64>, LeastSquaresError> {
-        self.on_blocks(w, used, |l, block| {
+        self.on_blocks(w, used, |rows, block| {
+            let entry = |i: usize, j: usize| rows[i * (i + 1) / 2 + j];
             for i in (0..block.len()).rev() {
-                let sum: f64 = (i + 1..block.len()).map(|j| l[(j, i)] * block[j]).sum();
-                block[i] = (block[i] - sum) / l[(i, i)];
+                let sum: f64 = (i + 1..block.len()).map(|j| entry(j, i) * block[j]).sum();
+                block[i] = (block[i] - sum) / entry(i, i);
             }
         })
     }
@@ -87,18 +91,23 @@ impl BlockWhitening {
         Ok(out)
     }
 
+    /// Hands each block, with the rows of L one after another up to their diagonals, to `solve`.
     fn on_blocks(
         &mut self,
         w: &DMatrix<f64>,
         used: &[bool],
-        solve: impl Fn(&DMatrix<f64>, &mut [f64]),
+        solve: impl Fn(&[f64], &mut [f64]),
     ) -> Result<DMatrix<f64>, LeastSquaresError> {
         let (size, patterns) = (self.covariance.nrows(), self.patterns(w, used)?);
+        let rows = |(_, factor): &(Vec<bool>, Cholesky<f64, Dyn>)| -> Vec<f64> {
+            (0..size).flat_map(|i| (0..=i).map(move |j| factor.l_dirty()[(i, j)])).collect()
+        };
+        let factors: Vec<Vec<f64>> = self.factors.iter().map(rows).collect();
         let mut out = w.clone();
         // Columns are contiguous and hold whole numbers of blocks.
         for mut column in out.column_iter_mut() {
             for (block, &pattern) in column.as_mut_slice().chunks_exact_mut(size).zip(&patterns) {
-                solve(self.factors[pattern].1.l_dirty(), block);
+                solve(&factors[pattern], block);
             }
         }
         Ok(out)

@@ -239,38 +239,97 @@ impl WithSimd for TransposedProduct<'_> {
 }
 
 impl TransposedProduct<'_> {
-    /// I × J entries of C.
+    /// I × J entries of C. The running sums are added in halves, s_k to s_k+4, then to s_k+2 and s_k+1, as vectors are.
     #[inline(always)]
     fn tile<S: Simd, const I: usize, const J: usize>(&mut self, simd: S, i: usize, j: usize) {
-        let (rows, vectors) = (self.rows, SUMS / S::F64_LANES);
         let m = self.a.len().div_ceil(self.stride);
-        let a: [&[f64]; I] = std::array::from_fn(|x| &self.a[(i + x) * self.stride..][..rows]);
-        let b: [&[f64]; J] = std::array::from_fn(|x| &self.b[(j + x) * self.stride..][..rows]);
-        let mut sums = [[[simd.splat_f64s(0.0); SUMS]; J]; I];
-        let whole = rows / SUMS * SUMS;
-        let a_parts = a.map(|a| S::as_simd_f64s(&a[..whole]).0);
-        let b_parts = b.map(|b| S::as_simd_f64s(&b[..whole]).0);
-        for part in 0..whole / SUMS {
-            for v in 0..vectors {
-                let at = part * vectors + v;
-                for x in 0..I {
-                    for y in 0..J {
-                        sums[x][y][v] = simd.add_f64s(sums[x][y][v], simd.mul_f64s(a_parts[x][at], b_parts[y][at]));
-                    }
-                }
-            }
-        }
+        let a: [&[f64]; I] = std::array::from_fn(|x| &self.a[(i + x) * self.stride..][..self.rows]);
+        let b: [&[f64]; J] = std::array::from_fn(|x| &self.b[(j + x) * self.stride..][..self.rows]);
+        let whole = if SUMS / S::F64_LANES > 1 {
+            added(simd, Self::half(simd, &a, &b, 0), Self::half(simd, &a, &b, 1))
+        } else {
+            Self::half(simd, &a, &b, 0)
+        };
         for x in 0..I {
             for y in 0..J {
-                let mut s = [0.0; SUMS];
-                S::as_mut_simd_f64s(&mut s).0.copy_from_slice(&sums[x][y][..vectors]);
-                for (s, row) in s.iter_mut().zip(whole..rows) {
-                    *s += a[x][row] * b[y][row];
-                }
-                self.c[(j + y) * m + i + x] = ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
+                self.c[(j + y) * m + i + x] = simd.reduce_sum_f64s(whole[x][y]);
             }
         }
     }
+
+    /// Vectors v, v + 2, … of the running sums, added.
+    #[inline(always)]
+    fn half<S: Simd, const I: usize, const J: usize>(
+        simd: S,
+        a: &[&[f64]; I],
+        b: &[&[f64]; J],
+        v: usize,
+    ) -> [[S::f64s; J]; I] {
+        let quarter = Self::quarter(simd, a, b, v);
+        if SUMS / S::F64_LANES > 2 { added(simd, quarter, Self::quarter(simd, a, b, v + 2)) } else { quarter }
+    }
+
+    /// Vectors v and v + 4, added.
+    #[inline(always)]
+    fn quarter<S: Simd, const I: usize, const J: usize>(
+        simd: S,
+        a: &[&[f64]; I],
+        b: &[&[f64]; J],
+        v: usize,
+    ) -> [[S::f64s; J]; I] {
+        let sums = Self::running_sums(simd, a, b, v);
+        if SUMS / S::F64_LANES > 4 { added(simd, sums, Self::running_sums(simd, a, b, v + 4)) } else { sums }
+    }
+
+    /// Vector v of the running sums of each entry.
+    #[inline(always)]
+    fn running_sums<S: Simd, const I: usize, const J: usize>(
+        simd: S,
+        a: &[&[f64]; I],
+        b: &[&[f64]; J],
+        v: usize,
+    ) -> [[S::f64s; J]; I] {
+        let (rows, lanes) = (a[0].len(), S::F64_LANES);
+        let whole = rows / SUMS * SUMS;
+        let a_parts = a.map(|a| S::as_simd_f64s(&a[..whole]).0);
+        let b_parts = b.map(|b| S::as_simd_f64s(&b[..whole]).0);
+        let mut sums = [[simd.splat_f64s(0.0); J]; I];
+        for at in (v..whole / lanes).step_by(SUMS / lanes) {
+            for x in 0..I {
+                for y in 0..J {
+                    sums[x][y] = simd.add_f64s(sums[x][y], simd.mul_f64s(a_parts[x][at], b_parts[y][at]));
+                }
+            }
+        }
+        let rest = rows.min(whole + v * lanes)..rows.min(whole + (v + 1) * lanes);
+        if !rest.is_empty() {
+            let mut right = [simd.splat_f64s(0.0); J];
+            for y in 0..J {
+                right[y] = simd.partial_load_f64s(&b[y][rest.clone()]);
+            }
+            for x in 0..I {
+                let left = simd.partial_load_f64s(&a[x][rest.clone()]);
+                for y in 0..J {
+                    sums[x][y] = simd.add_f64s(sums[x][y], simd.mul_f64s(left, right[y]));
+                }
+            }
+        }
+        sums
+    }
+}
+
+#[inline(always)]
+fn added<S: Simd, const I: usize, const J: usize>(
+    simd: S,
+    mut sums: [[S::f64s; J]; I],
+    others: [[S::f64s; J]; I],
+) -> [[S::f64s; J]; I] {
+    for x in 0..I {
+        for y in 0..J {
+            sums[x][y] = simd.add_f64s(sums[x][y], others[x][y]);
+        }
+    }
+    sums
 }
 
 #[cfg(test)]

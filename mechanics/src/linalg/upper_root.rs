@@ -37,6 +37,20 @@ impl UpperRoot {
         Arch::new().dispatch(Root { n, a: factor.as_mut_slice() }).then_some(Self { factor })
     }
 
+    /// The root of `a 1 + Σ_k v_k A_k` (n × n) for pairs of A_k and v_k, in that order. Each A_k is symmetric, and zero in rows and columns
+    /// beyond its own.
+    ///
+    /// # Panics
+    /// If an A_k is not square or larger than n.
+    pub fn of_sum(n: usize, a: f64, parts: &[(&DMatrix<f64>, f64)]) -> Option<Self> {
+        for (part, _) in parts {
+            assert!(part.is_square() && part.nrows() <= n, "parts of at most {n} rows and columns");
+        }
+        let mut sum = DMatrix::from_diagonal_element(n, n, a);
+        Arch::new().dispatch(Sum { n, parts, sum: sum.as_mut_slice() });
+        Self::new(sum)
+    }
+
     /// `U⁻¹ B` in place of B (n × m).
     ///
     /// # Panics
@@ -53,6 +67,29 @@ impl UpperRoot {
             let (done, rest) = x.split_at_mut(i);
             let sum: f64 = done.iter().zip(column.iter()).map(|(x, u)| x * u).sum();
             rest[0] = (rest[0] - sum) / column[i];
+        }
+    }
+}
+
+/// Adds to upper triangles.
+struct Sum<'a> {
+    n: usize,
+    parts: &'a [(&'a DMatrix<f64>, f64)],
+    sum: &'a mut [f64],
+}
+
+impl WithSimd for Sum<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for &(part, size) in self.parts {
+            let columns = part.as_slice().chunks_exact(part.nrows().max(1));
+            for (j, (sum, column)) in self.sum.chunks_exact_mut(self.n.max(1)).zip(columns).enumerate() {
+                for (sum, entry) in sum[..=j].iter_mut().zip(&column[..=j]) {
+                    *sum += size * entry;
+                }
+            }
         }
     }
 }
@@ -110,20 +147,24 @@ impl WithSimd for Divide<'_> {
             let (first, rest) = group.split_at_mut(n);
             let (second, rest) = rest.split_at_mut(n);
             let (third, fourth) = rest.split_at_mut(n);
-            let height = [&*first, &*second, &*third, &*fourth].map(height).into_iter().max().unwrap_or(0);
+            let height = height(first).max(height(second)).max(height(third)).max(height(fourth));
             let mut end = height;
             // Two entries of each column at once, the last first.
             while end >= 2 {
                 let (i, before) = (end - 1, end - 2);
                 let (u, v) = (&self.root[i * n..][..=i], &self.root[before * n..][..=before]);
-                let [a, b, c, d] = [&mut *first, &mut *second, &mut *third, &mut *fourth].map(|x| &mut x[..=i]);
-                let last = [a[i], b[i], c[i], d[i]].map(|x| x / u[i]);
-                let next = [(a[before], 0), (b[before], 1), (c[before], 2), (d[before], 3)];
-                let next = next.map(|(x, of)| (x - last[of] * u[before]) / v[before]);
+                let (a, b, c, d) = (&mut first[..=i], &mut second[..=i], &mut third[..=i], &mut fourth[..=i]);
+                let last = [a[i] / u[i], b[i] / u[i], c[i] / u[i], d[i] / u[i]];
+                let next = [
+                    (a[before] - last[0] * u[before]) / v[before],
+                    (b[before] - last[1] * u[before]) / v[before],
+                    (c[before] - last[2] * u[before]) / v[before],
+                    (d[before] - last[3] * u[before]) / v[before],
+                ];
                 [a[i], b[i], c[i], d[i]] = last;
                 [a[before], b[before], c[before], d[before]] = next;
                 let (u, v) = (&u[..before], &v[..before]);
-                let [a, b, c, d] = [a, b, c, d].map(|x| &mut x[..before]);
+                let (a, b, c, d) = (&mut a[..before], &mut b[..before], &mut c[..before], &mut d[..before]);
                 for k in 0..before {
                     a[k] = (a[k] - last[0] * u[k]) - next[0] * v[k];
                     b[k] = (b[k] - last[1] * u[k]) - next[1] * v[k];
@@ -175,6 +216,13 @@ mod tests {
             let mut x = divided.column(n).into_owned();
             found.divide_transposed(x.as_mut_slice());
             assert!((&a * x - b.column(n)).amax() < 1e-12);
+            let half = a.view((0, 0), (n / 2, n / 2)).into_owned();
+            let mut sum = a.clone() * 3.0 + DMatrix::identity(n, n) * 0.5;
+            let mut corner = sum.view_mut((0, 0), (n / 2, n / 2));
+            corner += &half * 2.0;
+            let root_of_sum = UpperRoot::of_sum(n, 0.5, &[(&a, 3.0), (&half, 2.0)]).unwrap().factor;
+            let root_of_sum = root_of_sum.upper_triangle();
+            assert!((&root_of_sum * root_of_sum.transpose() - &sum).amax() < 1e-12 * sum.amax());
             let (mut narrow, mut of_narrow) = (a, b);
             assert!(Arch::Scalar.dispatch(Root { n, a: narrow.as_mut_slice() }));
             Arch::Scalar.dispatch(Divide { n, root: narrow.as_slice(), b: of_narrow.as_mut_slice() });

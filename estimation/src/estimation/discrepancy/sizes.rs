@@ -67,7 +67,9 @@ struct Joint<'a> {
     white: f64,
     /// The rows and columns of F_k F_kᵀ that are not zero, for each k.
     squares: Vec<DMatrix<f64>>,
-    /// U⁻¹ F_k of all k side by side and U⁻¹ r, at the last step.
+    /// F_k of all k side by side, and r.
+    columns: DMatrix<f64>,
+    /// U⁻¹ times these, at the last step.
     divided: DMatrix<f64>,
 }
 
@@ -82,7 +84,8 @@ impl<'a> Joint<'a> {
             product(&part, &part.transpose())
         };
         let squares = reduced.groups.iter().map(square).collect();
-        Self { reduced, own, white, squares, divided: reduced.columns() }
+        let columns = reduced.columns();
+        Self { reduced, own, white, squares, divided: columns.clone(), columns }
     }
 
     /// A step of its own sizes; adds `‖F_kᵀ V⁻¹ r‖²` and `tr F_kᵀ V⁻¹ F_k` of the shared laws to `sums`. The largest relative
@@ -90,15 +93,9 @@ impl<'a> Joint<'a> {
     fn step(&mut self, shared: &[f64; SHARED], sums: &mut [[f64; 2]; SHARED]) -> Option<f64> {
         let reduced = self.reduced;
         let d = reduced.residual.len();
-        let mut v = DMatrix::from_diagonal_element(d, d, self.white);
-        for (square, &size) in self.squares.iter().zip(self.own.iter().chain(shared)) {
-            for (j, column) in square.column_iter().enumerate() {
-                let upper = &mut v.as_mut_slice()[j * d..][..=j];
-                upper.iter_mut().zip(column.iter()).for_each(|(sum, entry)| *sum += size * entry);
-            }
-        }
-        let root = UpperRoot::new(v)?;
-        self.divided = reduced.columns();
+        let parts: Vec<_> = self.squares.iter().zip(self.own.iter().chain(shared).copied()).collect();
+        let root = UpperRoot::of_sum(d, self.white, &parts)?;
+        self.divided.copy_from(&self.columns);
         root.divide(&mut self.divided);
         let seen_and_traces = self.seen_and_traces();
         let sizes = self.own.iter().chain(shared);
