@@ -75,7 +75,7 @@ impl<const N: usize> Chain<N> {
     #[inline(never)]
     pub(crate) fn accelerate_alone(&self, q: &[f64; N], v: &[f64; N], tau: &[f64; N]) -> ([f64; N], Rigid<N, f64>) {
         let mut rigid = Rigid::nothing(0.0);
-        let taken = self.parts(q, v, &mut Sweeps::nothing(0.0), &mut rigid);
+        let taken = self.parts(q, v, &mut Sweeps::nothing(0.0), &mut rigid, true);
         (rigid.accelerations(tau, &taken), rigid)
     }
 
@@ -84,11 +84,11 @@ impl<const N: usize> Chain<N> {
     pub(crate) fn rigid<V: Lane>(&self, q: &[V; N], v: &[V; N]) -> Rigid<N, V> {
         let zero = q[0].splat(0.0);
         let mut rigid = Rigid::nothing(zero);
-        self.sweep::<V, false>(q, v, &mut Sweeps::nothing(zero), &mut rigid);
+        self.sweep::<V, false>(q, v, &mut Sweeps::nothing(zero), &mut rigid, false);
         rigid
     }
 
-    /// Efforts that friction takes at `q` and `v`; the rigid part there becomes `rigid`.
+    /// Efforts that friction takes at `q` and `v`, or zeros where it is not asked for; the rigid part there becomes `rigid`.
     #[inline(always)]
     pub(crate) fn parts<V: Lane>(
         &self,
@@ -96,8 +96,9 @@ impl<const N: usize> Chain<N> {
         v: &[V; N],
         sweeps: &mut Sweeps<N, V>,
         rigid: &mut Rigid<N, V>,
+        friction: bool,
     ) -> [V; N] {
-        self.sweep::<V, true>(q, v, sweeps, rigid)
+        self.sweep::<V, true>(q, v, sweeps, rigid, friction)
     }
 
     /// The rigid part, and friction or zeros.
@@ -108,6 +109,7 @@ impl<const N: usize> Chain<N> {
         v: &[V; N],
         Sweeps { poses, wrenches, columns }: &mut Sweeps<N, V>,
         Rigid { bias, factor }: &mut Rigid<N, V>,
+        friction: bool,
     ) -> [V; N] {
         let one = q[0];
         let zero = one.splat(0.0);
@@ -125,7 +127,7 @@ impl<const N: usize> Chain<N> {
             wrenches[i] = outward.next(&links[i], &poses[i], v[i], None);
         }
         // Here, between the sweeps, it waits for neither.
-        let taken = if FRICTION { self.forces.torque(q, v) } else { [zero; N] };
+        let taken = if FRICTION && friction { self.forces.torque(q, v) } else { [zero; N] };
         let mut row = [zero; N];
         let mut inward = Inward::begin(one, &links[N - 1]);
         for i in (0..N).rev() {

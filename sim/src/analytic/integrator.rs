@@ -145,12 +145,12 @@ pub(crate) fn parts_of_step<const N: usize>(chain: &Chain<N>, y: &State<N, f64>,
     if turns < 0.5 { 1.0 } else { parts(chain, y, (&change, turns), &Held::new(&rigid, tau), dt) }
 }
 
-/// The state after `length` in equal parts, as many as each run needs.
+/// The state after `length` in equal parts, as many as each run needs, from a state at which friction takes `taken`.
 #[inline(always)]
 fn in_parts<const N: usize, V: Lane>(
     chain: &Chain<N>,
     held: &Held<N, V>,
-    start: &State<N, V>,
+    (start, taken): (&State<N, V>, &[V; N]),
     length: f64,
     parts: V,
 ) -> State<N, V> {
@@ -160,7 +160,8 @@ fn in_parts<const N: usize, V: Lane>(
     while done < most {
         let (mut q, mut v) = (y.q, y.v);
         for stage in 0..4 {
-            let a = held.accelerations(&chain.forces.torque(&q, &v));
+            let is_known = stage == 0 && done == 0.0;
+            let a = held.accelerations(&if is_known { *taken } else { chain.forces.torque(&q, &v) });
             stages[stage] = (v, a);
             let ahead = if stage < 2 { h * h.splat(0.5) } else { h };
             q = along(&y.q, &v, ahead);
@@ -192,7 +193,7 @@ pub(crate) fn step<const N: usize, V: Lane>(chain: &Chain<N>, y: &mut State<N, V
     let (mut q, mut v, mut divided) = (y.q, y.v, *y);
     let mut stages = [(y.v, y.v); 4];
     let zero = one.splat(0.0);
-    let (mut sweeps, mut rigid) = (Sweeps::nothing(zero), Rigid::nothing(zero));
+    let (mut sweeps, mut rigid, mut taken_at_start) = (Sweeps::nothing(zero), Rigid::nothing(zero), [zero; N]);
     for evaluation in 0..=MIDDLE {
         if evaluation == MIDDLE {
             if !some_divided {
@@ -202,11 +203,12 @@ pub(crate) fn step<const N: usize, V: Lane>(chain: &Chain<N>, y: &mut State<N, V
         } else if evaluation > 0 && !some_whole {
             continue;
         }
-        let taken = chain.parts(&q, &v, &mut sweeps, &mut rigid);
+        let taken = chain.parts(&q, &v, &mut sweeps, &mut rigid, evaluation < MIDDLE);
         let (mut change, mut turns) = (v, one);
         if evaluation < MIDDLE {
             let a = rigid.accelerations(tau, &taken);
             if evaluation == 0 {
+                taken_at_start = taken;
                 change = changes(&a, dt);
                 turns = chain.forces.turns(&v, &change, REACH);
                 some_divided = turns.most() > 0.5;
@@ -226,7 +228,7 @@ pub(crate) fn step<const N: usize, V: Lane>(chain: &Chain<N>, y: &mut State<N, V
                 (length, parts_of_length) = (0.5 * dt, parts_to_middle(parts_of_runs));
             }
             if some_divided {
-                divided = in_parts(chain, &held, y, length, parts_of_length);
+                divided = in_parts(chain, &held, (y, &taken_at_start), length, parts_of_length);
             }
         }
     }
