@@ -49,16 +49,6 @@ pub fn sin_cos<V: Lane>(x: V) -> (V, V) {
     (sign_sine * a, sign_cosine * b)
 }
 
-/// Sines and cosines of N numbers.
-#[inline(always)]
-pub fn sines<const N: usize, V: Lane>(x: &[V; N]) -> [(V, V); N] {
-    let mut out = [(x[0], x[0]); N];
-    for i in 0..N {
-        out[i] = sin_cos(x[i]);
-    }
-    out
-}
-
 /// Hyperbolic tangent, within 4e-16; exactly ±1 beyond ±20.
 #[inline(always)]
 pub fn tanh<V: Lane>(x: V) -> V {

@@ -10,9 +10,11 @@
 mod arithmetic;
 mod elementary;
 mod lane;
+mod sines;
 mod wide;
 
 pub use crate::arithmetic_of;
-pub use elementary::{exp, sin_cos, sines, tanh};
+pub use elementary::{exp, sin_cos, tanh};
 pub use lane::Lane;
+pub use sines::Sines;
 pub use wide::{MOST_LANES, Wide, sines_and_cosines};

@@ -6,7 +6,7 @@ use armid::lanes::Lane;
 ///
 /// Row i needs the rows of the joints after it alone, so a sweep that goes inwards can factor each row as it finds it
 /// (R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008, section 6.5, in the same order).
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Factor<const N: usize, V> {
     upper: [[V; N]; N],
     reciprocal: [V; N],
@@ -78,16 +78,31 @@ impl<const N: usize, V: Lane> Factor<N, V> {
         }
     }
 
-    /// `H⁻¹`.
+    /// `H⁻¹ = Wᵀ D⁻¹ W` with `W = U⁻¹`, a triangle as U is.
     #[inline(always)]
     pub(crate) fn inverse(&self) -> [[V; N]; N] {
-        let (zero, one) = (self.reciprocal[0].splat(0.0), self.reciprocal[0].splat(1.0));
-        let mut columns = [[zero; N]; N];
-        for j in 0..N {
-            columns[j][j] = one;
-            columns[j] = self.solve(columns[j]);
+        let mut w = self.upper;
+        for j in 1..N {
+            for i in (0..j).rev() {
+                let mut sum = self.upper[i][j];
+                for k in i + 1..j {
+                    sum = sum + self.upper[i][k] * w[k][j];
+                }
+                w[i][j] = -sum;
+            }
         }
-        columns
+        let mut out = w;
+        for i in 0..N {
+            for j in i..N {
+                // The last of the sum has a one of W's diagonal.
+                let mut sum = if i == j { self.reciprocal[i] } else { self.reciprocal[i] * w[i][j] };
+                for k in 0..i {
+                    sum = sum + w[k][i] * self.reciprocal[k] * w[k][j];
+                }
+                (out[i][j], out[j][i]) = (sum, sum);
+            }
+        }
+        out
     }
 
     /// `H⁻¹ x`.

@@ -7,6 +7,9 @@ use super::jet::Jet;
 use super::law_numbers::{Lanes, Rates};
 use armid::lanes::Lane;
 
+/// Where a speed changes by `v_s`, the method errs most by the bend of the friction, and needs parts that are shorter by this share.
+const BEND: f64 = 0.25;
+
 /// One term of N coordinates, of the joints or of the motors.
 #[derive(Clone, Debug)]
 struct Bank<const N: usize> {
@@ -36,7 +39,7 @@ impl<const N: usize> Bank<N> {
     #[inline(always)]
     fn add_torques<V: Lane>(&self, q: &[V; N], v: &[V; N], out: &mut [V; N]) {
         let zero = Lanes(v[0].splat(0.0));
-        let g = self.term.torques_of_runs::<Lanes<V>, N>(
+        self.term.torques_of_runs::<Lanes<V>, N>(
             #[inline(always)]
             |i| TermInput {
                 q: Lanes(q[i]),
@@ -46,10 +49,9 @@ impl<const N: usize> Bank<N> {
                 warmth: zero,
                 shape: self.shapes[i],
             },
+            #[inline(always)]
+            |i, g| out[i] = out[i] + g.0.splat(self.values[i]) * g.0,
         );
-        for i in 0..N {
-            out[i] = out[i] + v[i].splat(self.values[i]) * g[i].0;
-        }
     }
 
     /// 1 where a speed may come within `reach` of its `v_s` while each changes by `change` at most; else `other`.
@@ -66,12 +68,12 @@ impl<const N: usize> Bank<N> {
     }
 
     /// Adds the largest slope of each torque over these speeds, N·m·s/rad: at the one nearest to standstill, away from
-    /// which friction flattens. A slope below zero brakes nothing.
+    /// which friction flattens. A slope below zero brakes nothing. One whose speed changes by `v_s` or more counts for more by [`BEND`].
     #[inline(always)]
     fn add_slopes<V: Lane>(&self, q: &[V; N], v: &[V; N], change: &[V; N], out: &mut [V; N]) {
         let zero = v[0].splat(0.0);
         let none = Rates::fixed(zero);
-        let g = self.term.torques_of_runs::<Rates<V>, N>(
+        self.term.torques_of_runs::<Rates<V>, N>(
             #[inline(always)]
             |i| {
                 let nearest = v[i].magnitude() - change[i];
@@ -84,46 +86,65 @@ impl<const N: usize> Bank<N> {
                     shape: self.shapes[i],
                 }
             },
+            #[inline(always)]
+            |i, g| {
+                let slope = zero.splat(self.values[i]) * g.slope;
+                let one = zero.splat(1.0);
+                let swing = one.smaller(change[i] * zero.splat(self.per_speed[i]));
+                out[i] = out[i] + zero.less(slope, slope, zero) * (one + zero.splat(BEND) * swing);
+            },
         );
-        for i in 0..N {
-            let slope = zero.splat(self.values[i]) * g[i].slope;
-            out[i] = out[i] + zero.less(slope, slope, zero);
-        }
     }
 }
 
-/// The forces of the terms of a robot with N joints.
-#[derive(Clone, Debug)]
-pub(crate) struct Forces<const N: usize> {
-    joints: Vec<Bank<N>>,
-    motors: Option<Box<Motors<N>>>,
+/// Torque with its derivatives, a row for each joint.
+pub(crate) struct Slopes<const N: usize> {
+    pub(crate) torque: [f64; N],
+    pub(crate) by_q: [[f64; N]; N],
+    pub(crate) by_v: [[f64; N]; N],
 }
 
-/// Forces on coupled motors: `τ = Cᵀ f(C q, C q̇)`.
+/// Where a term acts: its place in what is known of both.
+const JOINTS: usize = 0;
+const MOTORS: usize = 1;
+
+/// The forces of the terms of a robot with N joints. A motor that is not coupled is its joint.
 #[derive(Clone, Debug)]
-struct Motors<const N: usize> {
-    banks: Vec<Bank<N>>,
-    coupling: [[f64; N]; N],
+pub(crate) struct Forces<const N: usize> {
+    /// At joints, and at coupled motors.
+    banks: [Vec<Bank<N>>; 2],
+    /// `τ = Cᵀ f(C q, C q̇)` of coupled motors.
+    coupling: Option<Box<Coupling<N>>>,
 }
+
+/// C.
+#[derive(Clone, Debug)]
+struct Coupling<const N: usize>([[f64; N]; N]);
 
 impl<const N: usize> Forces<N> {
     pub(crate) fn new(robot: &Robot, parameters: &StandardParameters) -> Self {
         let columns = Columns::default().with_terms_of(parameters);
-        let banks = |at_motors: bool| -> Vec<Bank<N>> {
+        let coupling = robot.coupling();
+        let coupling =
+            coupling.map(|c| Box::new(Coupling(std::array::from_fn(|i| std::array::from_fn(|j| c[(i, j)])))));
+        let mut banks = [Vec::new(), Vec::new()];
+        for at_motors in [false, true] {
+            let place = if at_motors && coupling.is_some() { MOTORS } else { JOINTS };
             let terms = columns.terms().filter(|term| !term.is_inertia() && term.is_motors() == at_motors);
             let all = terms.map(|term| Bank::new(robot, parameters, term));
-            all.filter(|bank| bank.values.iter().any(|&value| value != 0.0)).collect()
-        };
-        let motors = robot.coupling().map(|c| {
-            let coupling = std::array::from_fn(|i| std::array::from_fn(|j| c[(i, j)]));
-            Box::new(Motors { banks: banks(true), coupling })
-        });
-        let mut joints = banks(false);
-        if motors.is_none() {
-            // A motor that is not coupled is its joint.
-            joints.extend(banks(true));
+            banks[place].extend(all.filter(|bank| bank.values.iter().any(|&value| value != 0.0)));
         }
-        Self { joints, motors }
+        Self { banks, coupling }
+    }
+
+    /// What is known of joints, and `of` it where motors are coupled.
+    #[inline(always)]
+    fn of_both<T: Copy>(&self, joints: &T, of: impl Fn(&Coupling<N>, &T) -> T) -> [T; 2] {
+        let mut out = [*joints; 2];
+        if let Some(coupling) = &self.coupling {
+            out[MOTORS] = of(coupling, joints);
+        }
+        out
     }
 
     /// Torque that the terms take, N·m.
@@ -131,39 +152,49 @@ impl<const N: usize> Forces<N> {
     pub(crate) fn torque<V: Lane>(&self, q: &[V; N], v: &[V; N]) -> [V; N] {
         let zero = v[0].splat(0.0);
         let mut out = [zero; N];
-        for bank in &self.joints {
+        for bank in &self.banks[JOINTS] {
             bank.add_torques(q, v, &mut out);
         }
-        if let Some(motors) = &self.motors {
-            let (positions, speeds) = (motors.along(q), motors.along(v));
+        if let Some(coupling) = &self.coupling {
+            let (positions, speeds) = (coupling.along(q), coupling.along(v));
             let mut torques = [zero; N];
-            for bank in &motors.banks {
+            for bank in &self.banks[MOTORS] {
                 bank.add_torques(&positions, &speeds, &mut torques);
             }
             for j in 0..N {
                 for i in 0..N {
-                    out[j] = out[j] + zero.splat(motors.coupling[i][j]) * torques[i];
+                    out[j] = out[j] + zero.splat(coupling.0[i][j]) * torques[i];
                 }
             }
         }
         out
     }
 
-    /// Torque that the terms take, with its derivatives by the coordinates and velocities, K = 2 N. A term takes what its own
-    /// coordinate and velocity say, so that a law is evaluated with two derivatives.
-    pub(crate) fn torque_and_slopes<const K: usize>(&self, q: &[f64; N], v: &[f64; N]) -> [Jet<K>; N] {
-        let mut out = [Jet::fixed(0.0); N];
-        for (i, own) in slopes_of(&self.joints, q, v).into_iter().enumerate() {
-            (out[i].value, out[i].by[i], out[i].by[N + i]) = (own.value, own.by[0], own.by[1]);
+    /// Torque that the terms take, with its derivatives by the coordinates and velocities. A term takes what its own coordinate and
+    /// velocity say, so that a law is evaluated with two derivatives.
+    pub(crate) fn torque_and_slopes(&self, q: &[f64; N], v: &[f64; N]) -> Slopes<N> {
+        let (q, v) = (self.of_both(q, Coupling::along), self.of_both(v, Coupling::along));
+        let mut own = [[Jet::<2>::fixed(0.0); N]; 2];
+        for place in [JOINTS, MOTORS] {
+            for bank in &self.banks[place] {
+                for i in 0..N {
+                    let law = law_and_slopes(bank.term, q[place][i], v[place][i], bank.shapes[i]);
+                    own[place][i] = own[place][i] + Jet::fixed(bank.values[i]) * law;
+                }
+            }
         }
-        if let Some(motors) = &self.motors {
-            let c = &motors.coupling;
-            for (i, own) in slopes_of(&motors.banks, &motors.along(q), &motors.along(v)).into_iter().enumerate() {
+        let mut out = Slopes { torque: [0.0; N], by_q: [[0.0; N]; N], by_v: [[0.0; N]; N] };
+        for (i, own) in own[JOINTS].iter().enumerate() {
+            (out.torque[i], out.by_q[i][i], out.by_v[i][i]) = (own.value, own.by[0], own.by[1]);
+        }
+        if let Some(coupling) = &self.coupling {
+            let c = &coupling.0;
+            for (i, own) in own[MOTORS].iter().enumerate() {
                 for j in 0..N {
-                    out[j].value += c[i][j] * own.value;
+                    out.torque[j] += c[i][j] * own.value;
                     for k in 0..N {
-                        out[j].by[k] += c[i][j] * own.by[0] * c[i][k];
-                        out[j].by[N + k] += c[i][j] * own.by[1] * c[i][k];
+                        out.by_q[j][k] += c[i][j] * own.by[0] * c[i][k];
+                        out.by_v[j][k] += c[i][j] * own.by[1] * c[i][k];
                     }
                 }
             }
@@ -176,12 +207,12 @@ impl<const N: usize> Forces<N> {
     #[inline(always)]
     pub(crate) fn turns<V: Lane>(&self, v: &[V; N], change: &[V; N], reach: f64) -> V {
         let mut flag = v[0].splat(0.0);
-        for bank in &self.joints {
+        for bank in &self.banks[JOINTS] {
             flag = bank.turns(v, change, reach, flag);
         }
-        if let Some(motors) = &self.motors {
-            let (speeds, swings) = (motors.along(v), motors.swing(change));
-            for bank in &motors.banks {
+        if let Some(coupling) = &self.coupling {
+            let (speeds, swings) = (coupling.along(v), coupling.swing(change));
+            for bank in &self.banks[MOTORS] {
                 flag = bank.turns(&speeds, &swings, reach, flag);
             }
         }
@@ -190,57 +221,63 @@ impl<const N: usize> Forces<N> {
 
     /// Bound on the rate at which friction makes velocities decay while each joint's speed `v` changes by `change` at most, 1/s.
     ///
-    /// Of joints `λ ≤ (Σ λᵢ²)½ = (Σ (H⁻¹)ᵢⱼ² Dᵢ Dⱼ)½`, all eigenvalues of `H⁻¹ D` being positive, `D` the slopes. Of coupled
-    /// motors `C H⁻¹ Cᵀ` stands for `H⁻¹`, and their bound is added.
+    /// Of joints `λ ≤ (Σ λᵢ⁴)¼ = (Σ Tᵢⱼ² Dᵢ Dⱼ)¼` with `T = H⁻¹ D H⁻¹`, all eigenvalues of `H⁻¹ D` being positive, `D` the slopes.
+    /// Of coupled motors `C H⁻¹ Cᵀ` stands for `H⁻¹`, and their bound is added.
     #[inline(always)]
     pub(crate) fn decay<V: Lane>(&self, q: &[V; N], v: &[V; N], change: &[V; N], inverse: &[[V; N]; N]) -> V {
-        let zero = v[0].splat(0.0);
-        let mut slopes = [zero; N];
-        for bank in &self.joints {
-            bank.add_slopes(q, v, change, &mut slopes);
-        }
-        let mut rate = largest(inverse, &slopes);
-        if let Some(motors) = &self.motors {
-            let mut slopes = [zero; N];
-            for bank in &motors.banks {
-                bank.add_slopes(&motors.along(q), &motors.along(v), &motors.swing(change), &mut slopes);
+        let mut slopes = [[v[0].splat(0.0); N]; 2];
+        let (q, v) = (self.of_both(q, Coupling::along), self.of_both(v, Coupling::along));
+        let change = self.of_both(change, Coupling::swing);
+        for place in [JOINTS, MOTORS] {
+            for bank in &self.banks[place] {
+                bank.add_slopes(&q[place], &v[place], &change[place], &mut slopes[place]);
             }
+        }
+        let mut rate = largest(inverse, &slopes[JOINTS]);
+        if let Some(coupling) = &self.coupling {
             let mut mobility = *inverse;
             for row in &mut mobility {
-                *row = motors.along(row);
+                *row = coupling.along(row);
             }
-            rate = rate + largest(&motors.congruent(&mobility), &slopes);
+            rate = rate + largest(&coupling.congruent(&mobility), &slopes[MOTORS]);
         }
         rate
     }
 }
 
-/// Torques of banks with their derivatives by the own coordinate and velocity; compiled once.
+/// The law of a term at one coordinate, with its derivatives by coordinate and velocity; compiled once for any number of joints.
 #[inline(never)]
-fn slopes_of<const N: usize>(banks: &[Bank<N>], q: &[f64; N], v: &[f64; N]) -> [Jet<2>; N] {
-    let mut out = [Jet::fixed(0.0); N];
-    let (q, v) = (q.map(|q| Jet::variable(q, 0)), v.map(|v| Jet::variable(v, 1)));
-    for bank in banks {
-        bank.add_torques(&q, &v, &mut out);
-    }
-    out
+fn law_and_slopes(term: Term, q: f64, v: f64, shape: Shapes) -> Jet<2> {
+    let none = Lanes(Jet::fixed(0.0));
+    let (q, qd) = (Lanes(Jet::variable(q, 0)), Lanes(Jet::variable(v, 1)));
+    let at = TermInput { q, qd, qdd: none, load: none, warmth: none, shape };
+    let mut torque = none.0;
+    term.torques_of_runs::<Lanes<Jet<2>>, 1>(|_| at, |_, of_law| torque = of_law.0);
+    torque
 }
 
-/// `(Σ Aᵢⱼ² dᵢ dⱼ)½` of a symmetric matrix: at least the largest eigenvalue of `A diag(d)`, A positive definite and d not negative.
+/// `(Σ Tᵢⱼ² dᵢ dⱼ)¼` with `T = A diag(d) A`: at least the largest eigenvalue of `A diag(d)`, A positive definite and d not negative.
 #[inline(always)]
 fn largest<const N: usize, V: Lane>(a: &[[V; N]; N], d: &[V; N]) -> V {
     let mut sum = d[0].splat(0.0);
     for i in 0..N {
-        sum = sum + (a[i][i] * d[i]) * (a[i][i] * d[i]);
-        for j in 0..i {
-            let product = a[i][j] * a[i][j] * d[i] * d[j];
-            sum = sum + (product + product);
+        let mut row = a[i];
+        for k in 0..N {
+            row[k] = a[i][k] * d[k];
+        }
+        for j in 0..=i {
+            let mut t = row[0] * a[j][0];
+            for k in 1..N {
+                t = t + row[k] * a[j][k];
+            }
+            let square = t * t * d[i] * d[j];
+            sum = sum + if j < i { square + square } else { square };
         }
     }
-    V::each([sum], |[sum]| sum.sqrt())
+    V::each([sum], |[sum]| sum.sqrt().sqrt())
 }
 
-impl<const N: usize> Motors<N> {
+impl<const N: usize> Coupling<N> {
     /// `C x`.
     #[inline(always)]
     fn along<V: Lane>(&self, x: &[V; N]) -> [V; N] {
@@ -248,7 +285,7 @@ impl<const N: usize> Motors<N> {
         let mut out = [zero; N];
         for i in 0..N {
             for j in 0..N {
-                out[i] = out[i] + zero.splat(self.coupling[i][j]) * x[j];
+                out[i] = out[i] + zero.splat(self.0[i][j]) * x[j];
             }
         }
         out
@@ -275,7 +312,7 @@ impl<const N: usize> Motors<N> {
         let mut out = [zero; N];
         for i in 0..N {
             for j in 0..N {
-                out[i] = out[i] + zero.splat(self.coupling[i][j].abs()) * change[j];
+                out[i] = out[i] + zero.splat(self.0[i][j].abs()) * change[j];
             }
         }
         out

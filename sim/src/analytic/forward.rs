@@ -6,13 +6,13 @@
 //! The sweeps are those of [`armid::dynamics::chain`]. Rows of the mass matrix are factored as they are found.
 
 use armid::dynamics::chain::{Inward, Outward, Pose, Wrench};
-use armid::lanes::{Lane, sines};
+use armid::lanes::{Lane, Sines};
 
 use super::chain::Chain;
 use super::factor::Factor;
 
 /// The rigid part of the equations of motion in one state.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Rigid<const N: usize, V> {
     /// Efforts that the motion takes without any acceleration, `c + g`.
     bias: [V; N],
@@ -54,61 +54,61 @@ impl<const N: usize, V: Lane> Rigid<N, V> {
     }
 }
 
-/// What the sweeps keep of each link. Room for all evaluations of a step: to clear it for each of them takes a tenth of their time.
-pub(crate) struct Sweeps<const N: usize, V> {
+/// What the sweeps keep of each link, and the rigid part that they find. It is room for many evaluations: to clear it for each of them
+/// takes a tenth of their time.
+#[derive(Clone, Debug)]
+pub(crate) struct Room<const N: usize, V> {
     poses: [Pose<V>; N],
     wrenches: [Wrench<V>; N],
     columns: [Wrench<V>; N],
+    pub(crate) rigid: Rigid<N, V>,
 }
 
-impl<const N: usize, V: Lane> Sweeps<N, V> {
+impl<const N: usize, V: Lane> Room<N, V> {
     /// Before the first.
     #[inline(always)]
     pub(crate) fn nothing(zero: V) -> Self {
         let none = ([zero; 3], [zero; 3]);
-        Self { poses: [Pose::nowhere(zero); N], wrenches: [none; N], columns: [none; N] }
+        let poses = [Pose::nowhere(zero); N];
+        Self { poses, wrenches: [none; N], columns: [none; N], rigid: Rigid::nothing(zero) }
     }
 }
 
 impl<const N: usize> Chain<N> {
-    /// Accelerations of the joints of one arm, and the rigid part of its equations, compiled once.
+    /// Accelerations of the joints of one arm, and in `room` the rigid part of its equations; compiled once.
     #[inline(never)]
-    pub(crate) fn accelerate_alone(&self, q: &[f64; N], v: &[f64; N], tau: &[f64; N]) -> ([f64; N], Rigid<N, f64>) {
-        let mut rigid = Rigid::nothing(0.0);
-        let taken = self.parts(q, v, &mut Sweeps::nothing(0.0), &mut rigid, true);
-        (rigid.accelerations(tau, &taken), rigid)
+    pub(crate) fn accelerate_alone(
+        &self,
+        q: &[f64; N],
+        v: &[f64; N],
+        tau: &[f64; N],
+        room: &mut Room<N, f64>,
+    ) -> [f64; N] {
+        let taken = self.parts(q, v, room, true);
+        room.rigid.accelerations(tau, &taken)
     }
 
     /// The rigid part at `q` and `v`.
     #[inline(always)]
-    pub(crate) fn rigid<V: Lane>(&self, q: &[V; N], v: &[V; N]) -> Rigid<N, V> {
-        let zero = q[0].splat(0.0);
-        let mut rigid = Rigid::nothing(zero);
-        self.sweep::<V, false>(q, v, &mut Sweeps::nothing(zero), &mut rigid, false);
-        rigid
+    pub(crate) fn rigid<V: Sines>(&self, q: &[V; N], v: &[V; N]) -> Rigid<N, V> {
+        let mut room = Room::nothing(q[0].splat(0.0));
+        self.sweep::<V, false>(q, v, &mut room, false);
+        room.rigid
     }
 
-    /// Efforts that friction takes at `q` and `v`, or zeros where it is not asked for; the rigid part there becomes `rigid`.
+    /// Efforts that friction takes at `q` and `v`, or zeros where it is not asked for; the rigid part there is then in `room`.
     #[inline(always)]
-    pub(crate) fn parts<V: Lane>(
-        &self,
-        q: &[V; N],
-        v: &[V; N],
-        sweeps: &mut Sweeps<N, V>,
-        rigid: &mut Rigid<N, V>,
-        friction: bool,
-    ) -> [V; N] {
-        self.sweep::<V, true>(q, v, sweeps, rigid, friction)
+    pub(crate) fn parts<V: Sines>(&self, q: &[V; N], v: &[V; N], room: &mut Room<N, V>, friction: bool) -> [V; N] {
+        self.sweep::<V, true>(q, v, room, friction)
     }
 
     /// The rigid part, and friction or zeros.
     #[inline(always)]
-    fn sweep<V: Lane, const FRICTION: bool>(
+    fn sweep<V: Sines, const FRICTION: bool>(
         &self,
         q: &[V; N],
         v: &[V; N],
-        Sweeps { poses, wrenches, columns }: &mut Sweeps<N, V>,
-        Rigid { bias, factor }: &mut Rigid<N, V>,
+        Room { poses, wrenches, columns, rigid: Rigid { bias, factor } }: &mut Room<N, V>,
         friction: bool,
     ) -> [V; N] {
         let one = q[0];
@@ -118,7 +118,7 @@ impl<const N: usize> Chain<N> {
         for i in 0..N {
             angles[i] = links[i].angle(q[i]);
         }
-        let sines = sines(&angles);
+        let sines = V::sines(&angles);
         for i in 0..N {
             poses[i] = links[i].pose(q[i], sines[i]);
         }

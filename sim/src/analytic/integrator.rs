@@ -5,12 +5,13 @@
 //! ```
 //! with `y = (q, q̇)`, torque held. Smooth Coulomb friction makes velocities near zero decay at rates up to `λ`, the largest
 //! eigenvalue of `H⁻¹ D` with `D` the slopes of friction: some thousands per second at standstill. A step is then divided
-//! into `⌈λ h / 1.2⌉` equal parts, at most [`MOST_PARTS`]. The root of the sum of all squared eigenvalues bounds `λ`, and the
-//! largest slopes at the speeds that the step may pass through bound `D`. Away from standstill the tanh is flat and there is
-//! one part. The method is stable up to `λ h = 2.78`.
+//! into `⌈λ h / 1.2⌉` equal parts, at most [`MOST_PARTS`], and into a quarter more where a speed passes through the tanh. The
+//! fourth root of the sum of the eigenvalues' fourth powers bounds `λ`, and the largest slopes at the speeds that the step may pass
+//! through bound `D`. Away from standstill the tanh is flat and there is one part. The method is stable up to `λ h = 2.78`.
 //!
 //! Only friction needs the parts. In a divided step the rigid part, mass matrix and bias forces, is that of the middle of
-//! the step (midpoint rule, order 2), which half a step with the rigid part of the beginning finds:
+//! the step (midpoint rule, order 2). Half a step with the rigid part of the beginning finds it, in half as many parts by the midpoint
+//! rule, which is stable up to `λ h = 2`:
 //!
 //! ```text
 //! H(qₘ) q̈ = τ − c(qₘ, q̇ₘ) − g(qₘ) − friction(q, q̇)
@@ -18,13 +19,11 @@
 //! So two rigid parts serve any number of friction's. A speed that creeps under friction then follows the forces of the middle.
 
 use super::chain::Chain;
-use super::forward::{Rigid, Sweeps};
-use armid::lanes::Lane;
+use super::forward::{Rigid, Room};
+use armid::lanes::{Lane, Sines};
 
 /// Largest `λ h` of a part of a step.
 const STIFFNESS: f64 = 1.2;
-/// Parts of the step that finds the middle are longer by this factor: they must be stable, and need no order.
-const LONGER_PARTS: f64 = 2.0;
 /// Beyond this many `v_s` the slope of the smooth sign, below 4e-5 of the slope at zero, is no longer looked at.
 const REACH: f64 = 5.7;
 /// More parts than this a step never has.
@@ -92,6 +91,12 @@ pub(crate) fn after<const N: usize, V: Lane>(y: &State<N, V>, stages: &[([V; N],
     next
 }
 
+/// The state after a step of length `h` by the midpoint rule.
+#[inline(always)]
+pub(crate) fn after_middle<const N: usize, V: Lane>(y: &State<N, V>, middle: &([V; N], [V; N]), h: V) -> State<N, V> {
+    State { q: along(&y.q, &middle.0, h), v: along(&y.v, &middle.1, h) }
+}
+
 /// `a` where `small < large`, otherwise `b`.
 #[inline(always)]
 fn choose<const N: usize, V: Lane>(small: V, large: V, a: &State<N, V>, b: &State<N, V>) -> State<N, V> {
@@ -129,37 +134,36 @@ fn parts<const N: usize, V: Lane>(
     one.splat(0.5).less(turns, one.less(needed, needed, one), one)
 }
 
-/// Of how many parts the half step that finds the middle has, by those of the step: `⌈parts / 4⌉`. Quarters plus 0.375 round to that.
+/// Of how many parts the half step that finds the middle has, by those of the step: `⌈parts / 2⌉`, which halves plus a quarter round to.
 #[inline(always)]
 pub(crate) fn parts_to_middle<V: Lane>(parts: V) -> V {
-    let one = parts.splat(1.0);
-    let needed = (parts * one.splat(0.5 / LONGER_PARTS) + one.splat(0.375)).nearest();
-    one.less(needed, needed, one)
+    (parts * parts.splat(0.5) + parts.splat(0.25)).nearest()
 }
 
 /// How many parts a step of one arm is divided into.
 pub(crate) fn parts_of_step<const N: usize>(chain: &Chain<N>, y: &State<N, f64>, tau: &[f64; N], dt: f64) -> f64 {
-    let (a, rigid) = chain.accelerate_alone(&y.q, &y.v, tau);
-    let change = changes(&a, dt);
+    let mut room = Room::nothing(0.0);
+    let change = changes(&chain.accelerate_alone(&y.q, &y.v, tau, &mut room), dt);
     let turns = chain.forces.turns(&y.v, &change, REACH);
-    if turns < 0.5 { 1.0 } else { parts(chain, y, (&change, turns), &Held::new(&rigid, tau), dt) }
+    if turns < 0.5 { 1.0 } else { parts(chain, y, (&change, turns), &Held::new(&room.rigid, tau), dt) }
 }
 
-/// The state after `length` in equal parts, as many as each run needs, from a state at which friction takes `taken`.
+/// The state after `length` in equal parts, as many as each run needs, from a state at which friction takes `taken`: by the midpoint
+/// rule where it is `to_middle`, else by the method of order 4.
 #[inline(always)]
 fn in_parts<const N: usize, V: Lane>(
     chain: &Chain<N>,
     held: &Held<N, V>,
     (start, taken): (&State<N, V>, &[V; N]),
-    length: f64,
-    parts: V,
+    (length, parts): (f64, V),
+    to_middle: bool,
 ) -> State<N, V> {
     let h = parts.splat(length).over(parts);
     let (mut y, mut done, most) = (*start, 0.0, parts.most());
     let mut stages = [(y.v, y.v); 4];
     while done < most {
         let (mut q, mut v) = (y.q, y.v);
-        for stage in 0..4 {
+        for stage in 0..if to_middle { 2 } else { 4 } {
             let is_known = stage == 0 && done == 0.0;
             let a = held.accelerations(&if is_known { *taken } else { chain.forces.torque(&q, &v) });
             stages[stage] = (v, a);
@@ -167,8 +171,9 @@ fn in_parts<const N: usize, V: Lane>(
             q = along(&y.q, &v, ahead);
             v = along(&y.v, &a, ahead);
         }
+        let next = if to_middle { after_middle(&y, &stages[1], h) } else { after(&y, &stages, h) };
         // A run that has had all its parts waits for the others.
-        y = choose(h.splat(done), parts, &after(&y, &stages, h), &y);
+        y = choose(h.splat(done), parts, &next, &y);
         done += 1.0;
     }
     y
@@ -176,8 +181,14 @@ fn in_parts<const N: usize, V: Lane>(
 
 /// Steps one arm by `dt` under held torque; compiled once for all that step arms one by one.
 #[inline(never)]
-pub(crate) fn step_alone<const N: usize>(chain: &Chain<N>, y: &mut State<N, f64>, tau: &[f64; N], dt: f64) {
-    step(chain, y, tau, dt);
+pub(crate) fn step_alone<const N: usize>(
+    chain: &Chain<N>,
+    y: &mut State<N, f64>,
+    tau: &[f64; N],
+    dt: f64,
+    room: &mut Room<N, f64>,
+) {
+    step(chain, y, tau, dt, room);
 }
 
 /// Where the rigid part is evaluated after the four stages of a step that is not divided.
@@ -186,14 +197,19 @@ const MIDDLE: usize = 4;
 /// Steps every run by `dt` under held torque. Evaluations are a loop, so that the equations of motion, which are all inlined,
 /// are compiled once and not at each of them.
 #[inline(always)]
-pub(crate) fn step<const N: usize, V: Lane>(chain: &Chain<N>, y: &mut State<N, V>, tau: &[V; N], dt: f64) {
+pub(crate) fn step<const N: usize, V: Sines>(
+    chain: &Chain<N>,
+    y: &mut State<N, V>,
+    tau: &[V; N],
+    dt: f64,
+    room: &mut Room<N, V>,
+) {
     let one = tau[0].splat(1.0);
     let h = one.splat(dt);
     let (mut parts_of_runs, mut some_whole, mut some_divided) = (one, true, false);
     let (mut q, mut v, mut divided) = (y.q, y.v, *y);
     let mut stages = [(y.v, y.v); 4];
-    let zero = one.splat(0.0);
-    let (mut sweeps, mut rigid, mut taken_at_start) = (Sweeps::nothing(zero), Rigid::nothing(zero), [zero; N]);
+    let mut taken_at_start = [one.splat(0.0); N];
     for evaluation in 0..=MIDDLE {
         if evaluation == MIDDLE {
             if !some_divided {
@@ -203,10 +219,10 @@ pub(crate) fn step<const N: usize, V: Lane>(chain: &Chain<N>, y: &mut State<N, V
         } else if evaluation > 0 && !some_whole {
             continue;
         }
-        let taken = chain.parts(&q, &v, &mut sweeps, &mut rigid, evaluation < MIDDLE);
+        let taken = chain.parts(&q, &v, room, evaluation < MIDDLE);
         let (mut change, mut turns) = (v, one);
         if evaluation < MIDDLE {
-            let a = rigid.accelerations(tau, &taken);
+            let a = room.rigid.accelerations(tau, &taken);
             if evaluation == 0 {
                 taken_at_start = taken;
                 change = changes(&a, dt);
@@ -219,7 +235,7 @@ pub(crate) fn step<const N: usize, V: Lane>(chain: &Chain<N>, y: &mut State<N, V
             v = along(&y.v, &a, ahead);
         }
         if some_divided && (evaluation == 0 || evaluation == MIDDLE) {
-            let held = Held::new(&rigid, tau);
+            let held = Held::new(&room.rigid, tau);
             let (mut length, mut parts_of_length) = (dt, parts_of_runs);
             if evaluation == 0 {
                 parts_of_runs = parts(chain, y, (&change, turns), &held, dt);
@@ -228,7 +244,8 @@ pub(crate) fn step<const N: usize, V: Lane>(chain: &Chain<N>, y: &mut State<N, V
                 (length, parts_of_length) = (0.5 * dt, parts_to_middle(parts_of_runs));
             }
             if some_divided {
-                divided = in_parts(chain, &held, (y, &taken_at_start), length, parts_of_length);
+                let to_middle = evaluation == 0;
+                divided = in_parts(chain, &held, (y, &taken_at_start), (length, parts_of_length), to_middle);
             }
         }
     }
@@ -255,8 +272,9 @@ mod tests {
             let (q, ..) = chains::random_state(&mut rng, N);
             let at: [f64; N] = std::array::from_fn(|i| q[i]);
             let chain = Chain::<N>::new(&robot, &parameters);
-            let (_, rigid) = chain.accelerate_alone(&at, &still, &still);
-            let rate = chain.forces.decay(&at, &still, &still, &Held::new(&rigid, &still).inverse);
+            let mut room = Room::nothing(0.0);
+            chain.accelerate_alone(&at, &still, &still, &mut room);
+            let rate = chain.forces.decay(&at, &still, &still, &Held::new(&room.rigid, &still).inverse);
 
             // Mass matrix and damping at standstill, column by column from the core's torques.
             let mut dynamics = Dynamics::new(&robot, &parameters);

@@ -7,7 +7,7 @@
 
 use std::array::from_fn;
 
-use armid::lanes::Lane;
+use armid::lanes::{Lane, Sines};
 
 /// A number and its derivatives.
 #[derive(Clone, Copy, Debug)]
@@ -110,6 +110,26 @@ impl<const K: usize> Lane for Jet<K> {
     }
 }
 
+impl<const K: usize> Sines for Jet<K> {
+    #[inline(always)]
+    fn sines<const N: usize>(x: &[Self; N]) -> [(Self, Self); N] {
+        let mut values = [0.0; N];
+        for i in 0..N {
+            values[i] = x[i].value;
+        }
+        let of_values = f64::sines(&values);
+        let mut out = [(x[0], x[0]); N];
+        for i in 0..N {
+            let (sine, cosine) = of_values[i];
+            (out[i].0.value, out[i].1.value) = (sine, cosine);
+            for k in 0..K {
+                (out[i].0.by[k], out[i].1.by[k]) = (cosine * x[i].by[k], -sine * x[i].by[k]);
+            }
+        }
+        out
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -123,6 +143,9 @@ mod tests {
             let (s, c) = sin_cos(jet);
             assert_eq!((s.value, c.value, s.by[0]), (sin_cos(x).0, sin_cos(x).1, 0.0));
             assert!((s.by[1] - c.value).abs() < 1e-14 && (c.by[1] + s.value).abs() < 1e-14);
+            assert_eq!(Jet::sines(&[jet])[0].0.value, s.value);
+            assert!((Jet::sines(&[jet])[0].0.by[1] - s.by[1]).abs() < 1e-14);
+            assert!((Jet::sines(&[jet])[0].1.by[1] - c.by[1]).abs() < 1e-14);
             let t = tanh(jet);
             assert!(t.value == tanh(x) && (t.by[1] - (1.0 - t.value * t.value)).abs() < 1e-14, "{x}");
             let e = exp(jet);

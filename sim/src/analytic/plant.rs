@@ -7,6 +7,7 @@ use armid::experiment::{Plant, PlantError};
 use armid::model::{Robot, StandardParameters};
 
 use super::chain::Chain;
+use super::forward::Room;
 use super::integrator::{self, State};
 use super::team::{Advance, InTurn, Members, OnLanes, Side};
 
@@ -93,7 +94,7 @@ impl AnalyticPlant {
     ///
     /// # Panics
     /// If a slice has another length than n.
-    pub fn acceleration(&self, tau: &[f64], qdd: &mut [f64]) {
+    pub fn acceleration(&mut self, tau: &[f64], qdd: &mut [f64]) {
         let _ = self.definite_acceleration(tau, qdd);
     }
 
@@ -101,7 +102,7 @@ impl AnalyticPlant {
     ///
     /// # Panics
     /// If a slice has another length than n.
-    pub fn definite_acceleration(&self, tau: &[f64], qdd: &mut [f64]) -> bool {
+    pub fn definite_acceleration(&mut self, tau: &[f64], qdd: &mut [f64]) -> bool {
         self.arm.acceleration(tau, qdd)
     }
 }
@@ -137,7 +138,7 @@ trait Arm: std::fmt::Debug + Send + Sync {
     fn state(&self) -> (&[f64], &[f64]);
     fn reset(&mut self, q: &[f64], qd: &[f64]);
     fn step(&mut self, tau: &[f64], dt: f64);
-    fn acceleration(&self, tau: &[f64], qdd: &mut [f64]) -> bool;
+    fn acceleration(&mut self, tau: &[f64], qdd: &mut [f64]) -> bool;
     fn boxed(&self) -> Box<dyn Arm>;
     fn members(&self, runs: usize) -> Box<dyn Members>;
 }
@@ -146,13 +147,14 @@ trait Arm: std::fmt::Debug + Send + Sync {
 struct Jointed<const N: usize, A> {
     chain: Chain<N>,
     state: State<N, f64>,
+    room: Room<N, f64>,
     advance: PhantomData<fn() -> A>,
 }
 
 impl<const N: usize, A> Jointed<N, A> {
     fn new(robot: &Robot, parameters: &StandardParameters) -> Self {
         let state = State { q: [0.0; N], v: [0.0; N] };
-        Self { chain: Chain::new(robot, parameters), state, advance: PhantomData }
+        Self { chain: Chain::new(robot, parameters), state, room: Room::nothing(0.0), advance: PhantomData }
     }
 }
 
@@ -172,17 +174,17 @@ impl<const N: usize, A: Advance> Arm for Jointed<N, A> {
     }
 
     fn step(&mut self, tau: &[f64], dt: f64) {
-        integrator::step_alone(&self.chain, &mut self.state, &fixed(tau), dt);
+        integrator::step_alone(&self.chain, &mut self.state, &fixed(tau), dt, &mut self.room);
     }
 
-    fn acceleration(&self, tau: &[f64], qdd: &mut [f64]) -> bool {
-        let (found, rigid) = self.chain.accelerate_alone(&self.state.q, &self.state.v, &fixed(tau));
-        qdd.copy_from_slice(&found);
-        rigid.factor.is_positive()
+    fn acceleration(&mut self, tau: &[f64], qdd: &mut [f64]) -> bool {
+        let Self { chain, state, room, .. } = self;
+        qdd.copy_from_slice(&chain.accelerate_alone(&state.q, &state.v, &fixed(tau), room));
+        room.rigid.factor.is_positive()
     }
 
     fn boxed(&self) -> Box<dyn Arm> {
-        Box::new(Self { chain: self.chain.clone(), state: self.state, advance: PhantomData })
+        Box::new(Self { chain: self.chain.clone(), state: self.state, room: self.room.clone(), advance: PhantomData })
     }
 
     fn members(&self, runs: usize) -> Box<dyn Members> {

@@ -15,7 +15,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::chain::Chain;
 use super::forward::Rigid;
-use super::integrator::{self, Held, State, after, along};
+use super::integrator::{self, Held, State, after, after_middle, along};
 use super::jet::Jet;
 use super::plant::{AnalyticError, AnalyticPlant};
 
@@ -59,20 +59,27 @@ pub(crate) fn sloped_arm(
     let kept: Vec<(usize, bool)> = by.iter().map(column).collect::<Result<_, _>>()?;
     let spec = (robot, parameters, regressor, kept, beside);
     let arm: Box<dyn SlopedArm> = match dof {
-        1 => Box::new(Sloped::<1, 2>::new(spec)),
-        2 => Box::new(Sloped::<2, 4>::new(spec)),
-        3 => Box::new(Sloped::<3, 6>::new(spec)),
-        4 => Box::new(Sloped::<4, 8>::new(spec)),
-        5 => Box::new(Sloped::<5, 10>::new(spec)),
-        6 => Box::new(Sloped::<6, 12>::new(spec)),
-        7 => Box::new(Sloped::<7, 14>::new(spec)),
-        _ => Box::new(Sloped::<8, 16>::new(spec)),
+        1 => Box::new(Sloped::<1, 1>::new(spec)),
+        2 => Box::new(Sloped::<2, 1>::new(spec)),
+        3 => Box::new(Sloped::<3, 2>::new(spec)),
+        4 => Box::new(Sloped::<4, 2>::new(spec)),
+        5 => Box::new(Sloped::<5, 3>::new(spec)),
+        6 => Box::new(Sloped::<6, 3>::new(spec)),
+        7 => Box::new(Sloped::<7, 4>::new(spec)),
+        _ => Box::new(Sloped::<8, 4>::new(spec)),
     };
     Ok(arm)
 }
 
-/// N joints, K = 2 N numbers of state.
-struct Sloped<const N: usize, const K: usize> {
+/// Numbers of state by which a sweep takes derivatives: as many as the lanes of a usual processor. Sweeps with more of them are longer to
+/// compile, and no faster.
+const BLOCK: usize = 4;
+
+/// A number with its derivatives by one block of the 2 N of the state, the coordinates first.
+type BlockJet = Jet<BLOCK>;
+
+/// N joints, M = ⌈2 N / BLOCK⌉ blocks.
+struct Sloped<const N: usize, const M: usize> {
     chain: Chain<N>,
     regressor: JointTorqueRegressor,
     /// Which column each direction is, and whether it is friction's.
@@ -99,13 +106,13 @@ struct Sloped<const N: usize, const K: usize> {
 }
 
 /// The rigid part of the equations, the same while it is held, and where it was taken.
-struct Taken<const N: usize, const K: usize> {
-    rigid: Rigid<N, Jet<K>>,
+struct Taken<const N: usize, const M: usize> {
+    rigid: [Rigid<N, BlockJet>; M],
     held: Held<N, f64>,
     at: State<N, f64>,
 }
 
-impl<const N: usize, const K: usize> Sloped<N, K> {
+impl<const N: usize, const M: usize> Sloped<N, M> {
     fn new(
         (robot, parameters, regressor, kept, beside): (
             &Robot,
@@ -144,24 +151,27 @@ impl<const N: usize, const K: usize> Sloped<N, K> {
     #[inline(always)]
     fn accelerate(
         &mut self,
-        taken: &Taken<N, K>,
+        taken: &Taken<N, M>,
         at: &State<N, f64>,
         tau: &[f64; N],
         by: &[f64],
         whole: bool,
     ) -> [f64; N] {
-        let friction = self.chain.forces.torque_and_slopes::<K>(&at.q, &at.v);
+        let friction = self.chain.forces.torque_and_slopes(&at.q, &at.v);
         // What the state changes in friction is not told apart from a change of torque.
-        let mut values = [0.0; N];
-        let mut fixed = [Jet::<K>::fixed(0.0); N];
-        for i in 0..N {
-            values[i] = friction[i].value;
-            fixed[i] = Jet::fixed(values[i]);
+        let (efforts, fixed) = (tau.map(BlockJet::fixed), friction.torque.map(BlockJet::fixed));
+        let mut qdd = [0.0; N];
+        let mut by_state = [[[0.0; BLOCK]; M]; N];
+        for (block, rigid) in taken.rigid.iter().enumerate() {
+            let found = rigid.accelerations(&efforts, &fixed);
+            for i in 0..N {
+                qdd[i] = found[i].value;
+                by_state[i][block] = found[i].by;
+            }
         }
-        let efforts = tau.map(Jet::<K>::fixed);
-        let found = taken.rigid.accelerations(&efforts, &fixed);
-        let rigid = taken.rigid.map(|jet| jet.value);
-        let qdd = if whole { found.map(|jet| jet.value) } else { taken.held.accelerations(&values) };
+        if !whole {
+            qdd = taken.held.accelerations(&friction.torque);
+        }
         self.regressor.evaluate(&taken.at.q, &taken.at.v, &qdd, &mut self.y);
         if !whole {
             self.regressor.evaluate(&at.q, &at.v, &qdd, &mut self.y_of_terms);
@@ -174,20 +184,28 @@ impl<const N: usize, const K: usize> Sloped<N, K> {
                 let y = if of_term && !whole { &self.y_of_terms } else { &self.y };
                 *a -= y[i * p + column];
             }
-            add_products(own, &friction[i].by.map(|by| -by), &self.stage_q, &self.stage_v);
+            add_products(own, -1.0, (&friction.by_q[i], &friction.by_v[i]), (&self.stage_q, &self.stage_v));
         }
-        rigid.factor.solve_rows(&mut self.a, d);
+        taken.rigid[0].factor.map(|jet| jet.value).solve_rows(&mut self.a, d);
         let (of_q, of_v) = if whole { (&self.stage_q, &self.stage_v) } else { (&self.taken_q, &self.taken_v) };
         for i in 0..N {
-            add_products(&mut self.a[i * d..(i + 1) * d], &found[i].by, of_q, of_v);
+            let (by_q, by_v) = by_state[i].as_flattened()[..2 * N].split_at(N);
+            add_products(&mut self.a[i * d..(i + 1) * d], 1.0, (by_q, by_v), (of_q, of_v));
         }
         qdd
     }
 
-    /// One Runge–Kutta step of length `h`. The rigid part is taken anew at each stage where `whole`, else at `new` if that is given.
-    /// Written as a loop so that the recursion is compiled once.
+    /// One step of length `h`, by the midpoint rule where it is `to_middle`, else by Runge and Kutta's. The rigid part is taken anew at each
+    /// stage where `whole`, else at the beginning where `new`. Written as a loop so that the recursion is compiled once.
     #[inline(always)]
-    fn advance(&mut self, taken: &mut Taken<N, K>, new: bool, tau: &[f64; N], by: &[f64], h: f64, whole: bool) {
+    fn advance(
+        &mut self,
+        taken: &mut Taken<N, M>,
+        (new, to_middle): (bool, bool),
+        (tau, by): (&[f64; N], &[f64]),
+        h: f64,
+        whole: bool,
+    ) {
         let start = self.state;
         let half = h * 0.5;
         let mut at = start;
@@ -196,29 +214,37 @@ impl<const N: usize, const K: usize> Sloped<N, K> {
         self.stage_v.copy_from_slice(&self.v);
         self.sum_q.fill(0.0);
         self.sum_v.fill(0.0);
-        for (stage, ahead) in [half, half, h, 0.0].into_iter().enumerate() {
+        // By how much the next stage is ahead, and six times the weight of the slope.
+        let weighted = if to_middle {
+            [(half, 0.0), (0.0, 6.0), (0.0, 0.0), (0.0, 0.0)]
+        } else {
+            [(half, 1.0), (half, 2.0), (h, 2.0), (0.0, 1.0)]
+        };
+        let last = if to_middle { 1 } else { 3 };
+        for (stage, (ahead, weight)) in weighted.into_iter().take(last + 1).enumerate() {
             if whole {
                 taken.at = at;
             }
             if whole || (new && stage == 0) {
-                let mut jets = ([Jet::<K>::fixed(0.0); N], [Jet::<K>::fixed(0.0); N]);
-                for i in 0..N {
-                    jets.0[i] = Jet::variable(taken.at.q[i], i);
-                    jets.1[i] = Jet::variable(taken.at.v[i], N + i);
+                for block in 0..M {
+                    let (mut q, mut v) = (taken.at.q.map(BlockJet::fixed), taken.at.v.map(BlockJet::fixed));
+                    for (place, k) in (BLOCK * block..(2 * N).min(BLOCK * (block + 1))).enumerate() {
+                        let number = if k < N { &mut q[k] } else { &mut v[k - N] };
+                        number.by[place] = 1.0;
+                    }
+                    taken.rigid[block] = self.chain.rigid(&q, &v);
                 }
-                taken.rigid = self.chain.rigid(&jets.0, &jets.1);
                 if !whole {
-                    taken.held = Held::new(&taken.rigid.map(|jet| jet.value), tau);
+                    taken.held = Held::new(&taken.rigid[0].map(|jet| jet.value), tau);
                 }
             }
             let a = self.accelerate(taken, &at, tau, by, whole);
             stages[stage] = (at.v, a);
-            let weight = if stage == 1 || stage == 2 { 2.0 } else { 1.0 };
             for k in 0..self.q.len() {
                 self.sum_q[k] += weight * self.stage_v[k];
                 self.sum_v[k] += weight * self.a[k];
             }
-            if stage < 3 {
+            if stage < last {
                 at = State { q: along(&start.q, &at.v, ahead), v: along(&start.v, &a, ahead) };
                 for k in 0..self.q.len() {
                     self.stage_q[k] = self.q[k] + ahead * self.stage_v[k];
@@ -226,7 +252,7 @@ impl<const N: usize, const K: usize> Sloped<N, K> {
                 }
             }
         }
-        self.state = after(&start, &stages, h);
+        self.state = if to_middle { after_middle(&start, &stages[1], h) } else { after(&start, &stages, h) };
         let sixth = h * (1.0 / 6.0);
         for k in 0..self.q.len() {
             self.q[k] += sixth * self.sum_q[k];
@@ -247,12 +273,13 @@ impl<const N: usize, const K: usize> Sloped<N, K> {
             self.taken_v.copy_from_slice(&self.v);
         }
         let nothing = Rigid::nothing(Jet::fixed(0.0));
-        let mut taken = Taken { rigid: nothing, held: Held::new(&nothing.map(|jet| jet.value), tau), at: start };
+        let held = Held::new(&nothing.map(|jet| jet.value), tau);
+        let mut taken = Taken { rigid: [nothing; M], held, at: start };
         let to_middle = if whole { 0.0 } else { integrator::parts_to_middle(parts) };
         for (length, parts) in [(0.5 * dt, to_middle), (dt, parts)] {
             let mut done = 0.0;
             while done < parts {
-                self.advance(&mut taken, done == 0.0, tau, by, length / parts, whole);
+                self.advance(&mut taken, (done == 0.0, length < dt), (tau, by), length / parts, whole);
                 done += 1.0;
             }
             if !whole && length < dt {
@@ -267,12 +294,13 @@ impl<const N: usize, const K: usize> Sloped<N, K> {
     }
 }
 
-/// Adds to `own`, of d numbers, what changes of the state in d directions (n × d each) do to a number whose derivatives are `by`.
+/// Adds to `own`, of d numbers, `sign` times what changes of the state in d directions (n × d each) do to a number with derivatives by n
+/// coordinates and n velocities.
 #[inline(always)]
-fn add_products<const K: usize>(own: &mut [f64], by: &[f64; K], of_q: &[f64], of_v: &[f64]) {
+fn add_products(own: &mut [f64], sign: f64, by: (&[f64], &[f64]), (of_q, of_v): (&[f64], &[f64])) {
     let d = own.len();
-    for k in 0..K / 2 {
-        let (by_q, by_v) = (by[k], by[K / 2 + k]);
+    for (k, (by_q, by_v)) in by.0.iter().zip(by.1).enumerate() {
+        let (by_q, by_v) = (sign * by_q, sign * by_v);
         let rows = of_q[k * d..(k + 1) * d].iter().zip(&of_v[k * d..(k + 1) * d]);
         for (own, (q, v)) in own.iter_mut().zip(rows) {
             *own += by_q * q + by_v * v;
@@ -281,14 +309,14 @@ fn add_products<const K: usize>(own: &mut [f64], by: &[f64; K], of_q: &[f64], of
 }
 
 /// One step, compiled for the processor's vectors; every lane does what it would do alone.
-struct Step<'a, const N: usize, const K: usize> {
-    arm: &'a mut Sloped<N, K>,
+struct Step<'a, const N: usize, const M: usize> {
+    arm: &'a mut Sloped<N, M>,
     tau: [f64; N],
     by: &'a [f64],
     dt: f64,
 }
 
-impl<const N: usize, const K: usize> WithSimd for Step<'_, N, K> {
+impl<const N: usize, const M: usize> WithSimd for Step<'_, N, M> {
     type Output = ();
 
     #[inline(always)]
@@ -298,7 +326,7 @@ impl<const N: usize, const K: usize> WithSimd for Step<'_, N, K> {
     }
 }
 
-impl<const N: usize, const K: usize> SlopedArm for Sloped<N, K> {
+impl<const N: usize, const M: usize> SlopedArm for Sloped<N, M> {
     fn reset(&mut self, q: &[f64]) {
         self.state = State { q: [0.0; N], v: [0.0; N] };
         self.state.q.copy_from_slice(q);

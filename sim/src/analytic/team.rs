@@ -7,6 +7,7 @@ use armid::experiment::{PlantError, Runs};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::chain::Chain;
+use super::forward::Room;
 use super::integrator::{self, State};
 use super::plant::AnalyticPlant;
 use armid::lanes::{MOST_LANES, Wide};
@@ -165,12 +166,13 @@ impl Advance for InTurn {
 
 impl<const N: usize, A> Side<N, A> {
     fn step_in_turn(&mut self, dt: f64) {
+        let mut room = Room::nothing(0.0);
         for run in 0..self.runs {
             let (lanes, lane) = (self.lanes(run), run % MOST_LANES);
             let group = &mut self.groups[run / MOST_LANES];
             let of_run = |joints: &[Runs; N]| std::array::from_fn(|i| joints[i][lane]);
             let mut state = State { q: of_run(&group.q), v: of_run(&group.v) };
-            integrator::step_alone(&self.chain, &mut state, &of_run(&group.tau), dt);
+            integrator::step_alone(&self.chain, &mut state, &of_run(&group.tau), dt, &mut room);
             for lane in lanes {
                 for i in 0..N {
                     (group.q[i][lane], group.v[i][lane]) = (state.q[i], state.v[i]);
@@ -270,7 +272,8 @@ impl<const N: usize> WithSimd for Step<'_, N> {
             let (group, lane) = (&mut side.groups[first / MOST_LANES], first % MOST_LANES);
             let mut y = State { q: load(simd, &group.q, lane), v: load(simd, &group.v, lane) };
             let tau = load(simd, &group.tau, lane);
-            integrator::step(&side.chain, &mut y, &tau, dt);
+            let mut room = Room::nothing(Wide::new(simd, simd.splat_f64s(0.0)));
+            integrator::step(&side.chain, &mut y, &tau, dt, &mut room);
             store(&y.q, &mut group.q, lane);
             store(&y.v, &mut group.v, lane);
             first += S::F64_LANES;

@@ -92,30 +92,43 @@ fn analytic_slopes_are_central_differences_of_the_simulation() {
         };
         for (j, &id) in by.iter().enumerate().step_by(5) {
             let value = arm.truth.get(id);
-            // A step that is neither lost in rounding nor in curvature.
-            let h = 1e-5 * value.abs().max(0.1);
-            let at = |step: f64| {
-                let mut moved = arm.truth.clone();
-                moved.set(id, value + step);
-                known.motion(&moved, &Unobserved).unwrap()
-            };
-            let (low, high) = (at(-h), at(h));
-            for (exact, low, high) in [
-                (&slopes.q, means(&low.states.q), means(&high.states.q)),
-                (&slopes.tau, means(&low.tau), means(&high.tau)),
-            ] {
-                let size = exact.column(j).amax();
-                let rounding = low.iter().fold(1.0_f64, |most, x| most.max(x.abs())) * 4e-15 / h;
-                assert!(size > 0.0, "{name} {id}");
-                for (row, (low, high)) in low.iter().zip(&high).enumerate() {
-                    let difference = (high - low) / (2.0 * h);
-                    let found = exact[(row, j)];
-                    assert!(
-                        (difference - found).abs() < 2e-5 * size + rounding,
-                        "{name} {id} {row}: {difference} {found}"
-                    );
+            // Rows of positions and of torque that are not central differences of two simulations `h` apart.
+            let apart = |h: f64| -> Vec<(usize, usize, f64, f64)> {
+                let at = |step: f64| {
+                    let mut moved = arm.truth.clone();
+                    moved.set(id, value + step);
+                    known.motion(&moved, &Unobserved).unwrap()
+                };
+                let (low, high) = (at(-h), at(h));
+                let mut apart = Vec::new();
+                for (table, (exact, low, high)) in [
+                    (&slopes.q, means(&low.states.q), means(&high.states.q)),
+                    (&slopes.tau, means(&low.tau), means(&high.tau)),
+                ]
+                .into_iter()
+                .enumerate()
+                {
+                    let size = exact.column(j).amax();
+                    let rounding = low.iter().fold(1.0_f64, |most, x| most.max(x.abs())) * 4e-15 / h;
+                    assert!(size > 0.0, "{name} {id}");
+                    for (row, (low, high)) in low.iter().zip(&high).enumerate() {
+                        let (difference, found) = ((high - low) / (2.0 * h), exact[(row, j)]);
+                        if (difference - found).abs() >= 2e-5 * size + rounding {
+                            apart.push((table, row, difference, found));
+                        }
+                    }
                 }
+                apart
+            };
+            // A step that is neither lost in rounding nor in curvature. Where some step of the simulation is divided into one part more
+            // between the two, there is no derivative: a shorter step has the change outside.
+            let h = 1e-5 * value.abs().max(0.1);
+            let mut rows = apart(h);
+            if !rows.is_empty() {
+                let shorter = apart(h / 8.0);
+                rows.retain(|row| shorter.iter().any(|other| (other.0, other.1) == (row.0, row.1)));
             }
+            assert!(rows.is_empty(), "{name} {id}: table, row, difference, derivative: {rows:?}");
         }
     }
 }

@@ -18,24 +18,26 @@ macro_rules! terms {
             /// Every term of the list, in the order of the columns of a joint.
             pub const ALL: &'static [Self] = &[$($name,)*];
 
-            /// The law of N coordinates in several runs at once.
+            /// Gives the law of each of N coordinates, in several runs at once, to `take`.
             #[inline(always)]
-            pub fn torques_of_runs<R: Runs, const N: usize>(self, input: impl Fn(usize) -> TermInput<R>) -> [R; N] {
+            pub fn torques_of_runs<R: Runs, const N: usize>(
+                self,
+                input: impl Fn(usize) -> TermInput<R>,
+                mut take: impl FnMut(usize, R),
+            ) {
                 // Loops: the closure of an array's maker is compiled without the processor's lanes, each product a call.
-                let mut out = [input(0).q; N];
                 match self.listed {
                     $(Some(Listed::$law) => {
                         for i in 0..N {
-                            out[i] = super::$law.law(&input(i));
+                            take(i, super::$law.law(&input(i)));
                         }
                     })*
                     None => {
                         for i in 0..N {
-                            out[i] = R::apart(&input(i), |x| self.torque(x));
+                            take(i, R::apart(&input(i), |x| self.torque(x)));
                         }
                     }
                 }
-                out
             }
         }
     };
