@@ -97,7 +97,7 @@ impl<const N: usize> Bank<N> {
     }
 }
 
-/// Torque with its derivatives, a row for each joint.
+/// Torque (N·m) with its derivatives by coordinates (N·m/rad) and velocities (N·m·s/rad), a row for each joint.
 pub(crate) struct Slopes<const N: usize> {
     pub(crate) torque: [f64; N],
     pub(crate) by_q: [[f64; N]; N],
@@ -117,7 +117,7 @@ pub(crate) struct Forces<const N: usize> {
     coupling: Option<Box<Coupling<N>>>,
 }
 
-/// C.
+/// The matrix `C` of the robot, joints to motors.
 #[derive(Clone, Debug)]
 struct Coupling<const N: usize>([[f64; N]; N]);
 
