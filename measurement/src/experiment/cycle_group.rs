@@ -161,7 +161,8 @@ fn finish_step<S: Sink>(members: &mut [Member], loops: &JointLoops, rows: &mut [
         if *due {
             loops.read(run, q, effort);
         }
-        let reported = due.then_some([&q[..], &effort[..], &[], &[]]);
+        let sample = cycle.place.next_sample(&cycle.timing);
+        let reported: Option<(_, [&[f64]; 4])> = due.then_some((sample, [q, effort, &[], &[]]));
         let command = cycle.place.command(&cycle.timing);
         let stopped = cycle.place.finish(&cycle.timing, command, reported, &mut sinks[*place]);
         *ending = stopped.map(|stopped| cycle.end(stopped));
