@@ -78,6 +78,12 @@ pub(super) struct Place {
     row: usize,
 }
 
+/// What was reported of a sample: its position and its time (s), and positions, efforts, voltages and positions of the links.
+pub(super) struct Reported<'a> {
+    pub(super) sample: (usize, f64),
+    pub(super) values: [&'a [f64]; 4],
+}
+
 impl Place {
     /// Whether a sample is due at the next step; `None` at the end of the experiment.
     pub(super) fn begin(&mut self, timing: &Timing) -> Option<bool> {
@@ -110,14 +116,14 @@ impl Place {
         &mut self,
         timing: &Timing,
         command: &[f64],
-        reported: Option<((usize, f64), [&[f64]; 4])>,
+        reported: Option<Reported<'_>>,
         sink: &mut dyn Sink,
     ) -> Option<Ending> {
         let phase = self.phase(timing);
         self.step += 1;
         self.since = if self.since + 1 == timing.per_sample { 0 } else { self.since + 1 };
         self.row = timing.table.index_after(self.row, self.step);
-        let ((index, t), [q, effort, voltage, link_q]) = reported?;
+        let Reported { sample: (index, t), values: [q, effort, voltage, link_q] } = reported?;
         self.sample += 1;
         let flow = sink.sample(&RawSample { index, t, phase, q, effort, voltage, link_q, command });
         flow.ends().then_some(Ending::Stopped { t, phase, rest: Rest::Simulated })
@@ -203,11 +209,11 @@ impl Cycle {
             self.joints.sense_late(late_s, lost);
             observer(&TrueState { index, t, phase, q, qd, tau: self.joints.tau() });
             let values = self.joints.reported();
-            let written = match &mut self.slips {
+            let values = match &mut self.slips {
                 None => values,
                 Some(slips) => slips.written(values),
             };
-            reported = Some((sample, written));
+            reported = Some(Reported { sample, values });
         }
         match self.place.finish(&self.timing, command, reported, sink) {
             Some(ending) => Next::End(self.end(ending)),
