@@ -39,28 +39,8 @@ impl CommandTable {
 
     /// Commanded joint coordinates at a servo step, counted from the beginning of the experiment; n.
     pub fn row(&self, step: usize) -> &[f64] {
-        self.at(self.index(step))
-    }
-
-    /// The row of this number; n.
-    pub(super) fn at(&self, row: usize) -> &[f64] {
-        &self.rows[row * self.dof..(row + 1) * self.dof]
-    }
-
-    /// The number of the row of a servo step, after that of the step before it: what [`CommandTable::index`] finds, without a division.
-    #[inline]
-    pub(super) fn index_after(&self, before: usize, step: usize) -> usize {
         let begin = self.settle + self.ramp;
-        if step <= begin || step >= begin + self.periodic {
-            return self.index(step);
-        }
-        if before + 1 == self.ramp + self.period { self.ramp } else { before + 1 }
-    }
-
-    /// The number of the row of a servo step.
-    fn index(&self, step: usize) -> usize {
-        let begin = self.settle + self.ramp;
-        if step < self.settle {
+        let row = if step < self.settle {
             0
         } else if step < begin {
             step - self.settle
@@ -68,7 +48,8 @@ impl CommandTable {
             self.ramp + (step - begin) % self.period
         } else {
             self.ramp + self.period + (step - begin - self.periodic).min(self.ramp)
-        }
+        };
+        &self.rows[row * self.dof..(row + 1) * self.dof]
     }
 }
 
@@ -86,11 +67,6 @@ mod tests {
         for per_sample in [1, 5] {
             let table = CommandTable::new(&plan, &layout, per_sample);
             let (mut q, mut qd, mut qdd) = ([0.0; 2], [0.0; 2], [0.0; 2]);
-            let mut row = 0;
-            for step in 0..(layout.samples() + 20) * per_sample {
-                row = if step == 0 { row } else { table.index_after(row, step) };
-                assert_eq!(table.at(row), table.row(step), "{step}");
-            }
             for step in (0..(layout.samples() + 20) * per_sample).step_by(7) {
                 command.evaluate(step as f64 * 1e-3 / per_sample as f64, &mut q, &mut qd, &mut qdd);
                 for (x, y) in table.row(step).iter().zip(q) {

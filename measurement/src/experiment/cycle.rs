@@ -70,24 +70,14 @@ pub(super) struct Timing {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Place {
     step: usize,
-    /// Servo steps since a sample was due.
-    since: usize,
     sample: usize,
     span: usize,
-    /// The command's row of the table.
-    row: usize,
-}
-
-/// What was reported of a sample: its position and its time (s), and positions, efforts, voltages and positions of the links.
-pub(super) struct Reported<'a> {
-    pub(super) sample: (usize, f64),
-    pub(super) values: [&'a [f64]; 4],
 }
 
 impl Place {
     /// Whether a sample is due at the next step; `None` at the end of the experiment.
     pub(super) fn begin(&mut self, timing: &Timing) -> Option<bool> {
-        let due = self.since == 0;
+        let due = self.step.is_multiple_of(timing.per_sample);
         let spans = &timing.layout.spans;
         while due && spans.get(self.span).is_some_and(|span| self.sample >= span.samples.end) {
             self.span += 1;
@@ -102,28 +92,26 @@ impl Place {
 
     /// What is commanded at this step, n.
     pub(super) fn command<'a>(&self, timing: &'a Timing) -> &'a [f64] {
-        timing.table.at(self.row)
+        timing.table.row(self.step)
     }
 
     /// Position and time of the next sample, s.
-    pub(super) fn next_sample(&self, timing: &Timing) -> (usize, f64) {
+    fn next_sample(&self, timing: &Timing) -> (usize, f64) {
         (self.sample, self.sample as f64 / timing.rate_hz)
     }
 
-    /// Goes on after a step under `command`, and hands on what was reported of the next sample, where there is one; returns an ending
-    /// where the sink stops the arm.
+    /// Goes on after a step under `command`, and hands its sample on where there is one; returns an ending where the sink stops the arm.
     pub(super) fn finish(
         &mut self,
         timing: &Timing,
         command: &[f64],
-        reported: Option<Reported<'_>>,
+        reported: Option<[&[f64]; 4]>,
         sink: &mut dyn Sink,
     ) -> Option<Ending> {
         let phase = self.phase(timing);
         self.step += 1;
-        self.since = if self.since + 1 == timing.per_sample { 0 } else { self.since + 1 };
-        self.row = timing.table.index_after(self.row, self.step);
-        let Reported { sample: (index, t), values: [q, effort, voltage, link_q] } = reported?;
+        let [q, effort, voltage, link_q] = reported?;
+        let (index, t) = self.next_sample(timing);
         self.sample += 1;
         let flow = sink.sample(&RawSample { index, t, phase, q, effort, voltage, link_q, command });
         flow.ends().then_some(Ending::Stopped { t, phase, rest: Rest::Simulated })
@@ -202,18 +190,17 @@ impl Cycle {
         }
         let mut reported = None;
         if due {
-            let sample @ (index, t) = self.place.next_sample(&self.timing);
+            let (index, t) = self.place.next_sample(&self.timing);
             // At the time that the sample is stamped with, unless the clock says otherwise. Where it is lost, the one before
             // stands in its place.
             let (late_s, lost) = self.clock.as_mut().map_or((0.0, false), |clock| (clock.lateness(), clock.loses()));
             self.joints.sense_late(late_s, lost);
             observer(&TrueState { index, t, phase, q, qd, tau: self.joints.tau() });
             let values = self.joints.reported();
-            let values = match &mut self.slips {
+            reported = Some(match &mut self.slips {
                 None => values,
                 Some(slips) => slips.written(values),
-            };
-            reported = Some(Reported { sample, values });
+            });
         }
         match self.place.finish(&self.timing, command, reported, sink) {
             Some(ending) => Next::End(self.end(ending)),
@@ -238,12 +225,6 @@ impl Cycle {
 
     /// Ends the experiment where the plant is at no finite state, or runs away.
     pub(super) fn runaway(&mut self, q: &[f64], qd: &[f64]) -> Option<Ending> {
-        // Nearly always, and found without a branch at each entry; nothing is slow that is no number.
-        let slow =
-            qd.iter().zip(&self.runaway).fold(true, |slow, (qd, limit)| slow & qd.is_finite() & (qd.abs() <= *limit));
-        if slow & q.iter().fold(true, |finite, q| finite & q.is_finite()) {
-            return None;
-        }
         if let Some(fault) = PlantError::of_state(q, qd) {
             return Some(self.fail(fault));
         }

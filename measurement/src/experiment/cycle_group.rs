@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::arm::{Ending, Sink};
-use super::cycle::{Cycle, Next, Reported};
+use super::cycle::{Cycle, Next};
 use super::joint_loops::{JointLoops, Runs};
 use super::plant::PlantError;
 use crate::lanes::MOST_LANES;
@@ -161,8 +161,7 @@ fn finish_step<S: Sink>(members: &mut [Member], loops: &JointLoops, rows: &mut [
         if *due {
             loops.read(run, q, effort);
         }
-        let sample = cycle.place.next_sample(&cycle.timing);
-        let reported = due.then_some(Reported { sample, values: [q, effort, &[], &[]] });
+        let reported = due.then_some([&q[..], &effort[..], &[], &[]]);
         let command = cycle.place.command(&cycle.timing);
         let stopped = cycle.place.finish(&cycle.timing, command, reported, &mut sinks[*place]);
         *ending = stopped.map(|stopped| cycle.end(stopped));
