@@ -72,8 +72,9 @@ fn advice_on_a_urdf_names_what_it_assumed_and_its_experiment_runs() {
         "{taken:?}"
     );
     let candidates = answer["candidates"].as_array().expect("candidates");
-    assert_eq!(candidates.len(), 24, "with and without Stribeck friction");
-    assert!(candidates.iter().any(|of| of["columns"] == "rigid+rotor+friction+stribeck"));
+    let with = candidates.iter().filter(|of| of["columns"] == "rigid+rotor+friction+stribeck").count();
+    assert_eq!(candidates.len() - with, 12, "as many without Stribeck friction");
+    assert!((10..=12).contains(&with), "{with}: a motion that does not show it has no such candidate");
     let own = write(folder.path(), "robot.toml", "# mine\n");
     let here = folder.path().display().to_string();
     assert!(stderr(&armid(["advise", &urdf, "-o", &here]).code(2)).contains("is there already"));

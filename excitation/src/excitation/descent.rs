@@ -16,7 +16,7 @@ use super::objective::InformationObjective;
 use super::problem::DesignProblem;
 use super::termination::{HistoryPoint, Termination};
 use super::watched::WatchedProblem;
-use crate::optimiser::{Progress, Sequential, SequentialSettings};
+use crate::optimiser::{Progress, Sequential, SequentialSettings, SmoothLimits, nearest_inside};
 use crate::seed::Seed;
 
 /// Sharpnesses p of the smoothed criteria, one after the other.
@@ -47,8 +47,6 @@ const WORTH_RESTORING: f64 = 0.25;
 pub(crate) struct Found {
     /// Variables of the best iterate inside the limits, or of the last one.
     pub(crate) x: Vec<f64>,
-    /// The criterion there, as it is reported.
-    pub(crate) value: f64,
     pub(crate) ending: Termination,
     pub(crate) iterations: usize,
     pub(crate) evaluations: usize,
@@ -145,9 +143,10 @@ impl<'a> Search<'a> {
     /// Moves the best iterate that is nearly inside the limits into them, and judges it there.
     fn restore_nearly_inside(&mut self) {
         let Some((x, _)) = self.nearly.take() else { return };
-        self.state.x = x;
         let Feasibility { linear, smooth, .. } = &mut *self.feasibility;
-        if self.state.restore(linear, smooth, EXCESS_TOLERANCE) {
+        if let Some(x) = nearest_inside(&x, linear, smooth, EXCESS_TOLERANCE) {
+            self.state.excess = smooth.excess(&x);
+            self.state.x = x;
             self.objective.exact_at(&self.state.x);
             self.state.evaluations += 1;
             self.record();
@@ -222,7 +221,6 @@ impl<'a> Search<'a> {
         let ending = if value.is_finite() { ending } else { Termination::Singular };
         Found {
             x,
-            value,
             ending,
             iterations: self.state.iterations,
             evaluations: self.state.evaluations,
@@ -242,7 +240,7 @@ mod tests {
     fn analytic_of_iterates_nearly_inside_the_most_promising_is_moved_at_the_cost_of_one_evaluation() {
         let (robot, limits) = (chains::crs_a460(), DesignLimits::motion());
         let problem = DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, limits).unwrap();
-        let mut feasibility = Feasibility::new(&problem).unwrap();
+        let mut feasibility = Feasibility::new(&problem);
         let start = feasibility.first_guess(&problem, Seed::new(7), 0).unwrap();
         let start = feasibility.basis.coefficients(&start).unwrap();
         let mut objective = InformationObjective::of(&problem, SHARPNESS[0]).unwrap();

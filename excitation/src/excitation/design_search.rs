@@ -20,10 +20,6 @@ use crate::optimiser::SmoothLimits;
 use crate::seed::Seed;
 use crate::trajectory::PeriodicTrajectory;
 
-/// Part of a search's end beyond which its last correction counts: the value is then that of the motion as it was shrunk to hold
-/// torque, where the budget ended outside.
-const SHRUNK: f64 = 1e-4;
-
 /// Designs one trajectory from `radkhah2007`'s first guess number `start`.
 ///
 /// An observer of a [watched problem](crate::excitation::DesignProblem::watched_by) may end the search: the design is then the best so far, and its
@@ -33,7 +29,7 @@ const SHRUNK: f64 = 1e-4;
 /// [`ExcitationError`] if the problem's settings are impossible.
 pub fn design<'a>(problem: impl Into<WatchedProblem<'a>>, seed: Seed, start: u64) -> Result<Design, ExcitationError> {
     let watched = problem.into();
-    let first = Feasibility::new(watched.problem)?.first_guess(watched.problem, seed, start)?;
+    let first = Feasibility::new(watched.problem).first_guess(watched.problem, seed, start)?;
     continue_from(watched, &first, seed.child("hop", start))
 }
 
@@ -54,42 +50,33 @@ fn continue_from(
     hops: Seed,
 ) -> Result<Design, ExcitationError> {
     let problem = watched.problem;
-    let mut feasibility = Feasibility::new(problem)?;
+    let mut feasibility = Feasibility::new(problem);
     // Through the variables, so that frozen joints stand still.
     let start = feasibility.basis.trajectory(&feasibility.basis.coefficients(start)?);
     let start = feasibility.bring_inside(start);
     let x = feasibility.basis.coefficients(&start)?;
-    let mut found = optimise(watched, &mut feasibility, x, hops)?;
-    let trajectory = feasibility.basis.trajectory(&found.x);
-    let trajectory = feasibility.finish(trajectory);
-    let finished = feasibility.basis.coefficients(&trajectory)?;
-    let (size, moved) = found
-        .x
-        .iter()
-        .zip(&finished)
-        .fold((0.0, 0.0), |(size, moved), (x, y)| (size + x * x, moved + (x - y) * (x - y)));
-    if moved > SHRUNK * SHRUNK * size {
-        let exact = InformationObjective::of(problem, SHARPNESS[0])?.exact_at(&finished);
-        found.value = problem.objective().criterion.report(exact);
-    }
-    judged(problem, &feasibility, start, trajectory, found)
+    let found = optimise(watched, &mut feasibility, x, hops)?;
+    judged(problem, &feasibility, start, found)
 }
 
-/// The design of a search from `start` that ended at `trajectory`, with its certificate and what it still exceeds.
+/// The design of a search from `start`: the motion that it found, brought exactly inside, with the value that it then has, its
+/// certificate and what it still exceeds.
 fn judged(
     problem: &DesignProblem,
     feasibility: &Feasibility,
     start: PeriodicTrajectory,
-    trajectory: PeriodicTrajectory,
     found: Found,
 ) -> Result<Design, ExcitationError> {
+    let trajectory = Feasibility::finished(problem, &found.x)?;
+    let x = feasibility.basis.coefficients(&trajectory)?;
+    let exact = InformationObjective::of(problem, SHARPNESS[0])?.exact_at(&x);
     let certificate = Certificate::new(problem, &trajectory)?;
     let criterion = &problem.objective().criterion;
     Ok(Design {
         termination: feasibility.verdict(problem, &trajectory, &certificate).unwrap_or(found.ending),
         trajectory,
         criterion: criterion.name().to_owned(),
-        value: found.value,
+        value: criterion.report(exact),
         larger_is_better: criterion.is_larger_better(),
         certificate,
         iterations: found.iterations,
@@ -111,7 +98,7 @@ pub fn random_design<'a>(
 ) -> Result<Design, ExcitationError> {
     let watched = problem.into();
     let (problem, mut draw_count, mut ending) = (watched.problem, 0, Termination::Drawn);
-    let mut feasibility = Feasibility::new(problem)?;
+    let mut feasibility = Feasibility::new(problem);
     let mut objective = InformationObjective::of(problem, SHARPNESS[0])?;
     let draws = seed.child("random design", index);
     let criterion = &problem.objective().criterion;
@@ -146,16 +133,10 @@ pub fn random_design<'a>(
             best = Some((trajectory, value));
         }
     }
-    let (start, value) = best.expect("the budget is at least one evaluation");
-    let trajectory = feasibility.finish(start.clone());
-    let (value, iterations, evaluations) = (criterion.report(value), draw_count, draw_count);
-    judged(
-        problem,
-        &feasibility,
-        start,
-        trajectory,
-        Found { x: Vec::new(), value, ending, iterations, evaluations, history },
-    )
+    let (start, _) = best.expect("the budget is at least one evaluation");
+    let x = feasibility.basis.coefficients(&start)?;
+    let (iterations, evaluations) = (draw_count, draw_count);
+    judged(problem, &feasibility, start, Found { x, ending, iterations, evaluations, history })
 }
 
 #[cfg(test)]

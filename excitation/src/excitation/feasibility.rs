@@ -14,7 +14,7 @@ use super::problem::DesignProblem;
 use super::rms_speed::RmsSpeed;
 use super::termination::Termination;
 use crate::model::Robot;
-use crate::optimiser::{CombinedLimits, LinearLimits, Row, RowSource, SmoothLimits};
+use crate::optimiser::{CombinedLimits, LinearLimits, Row, RowSource, SmoothLimits, nearest_inside};
 use crate::seed::Seed;
 use crate::trajectory::{PeriodicTrajectory, Timeline};
 
@@ -24,11 +24,19 @@ pub(crate) const EXCESS_TOLERANCE: f64 = 1e-4;
 /// What the optimiser keeps away from a linear limit, relative, so that its own tolerance never exceeds it.
 const INSIDE: f64 = 1e-6;
 
-/// The optimiser's tolerance for linear limits, relative.
-const ROW_TOLERANCE: f64 = 1e-7;
+/// How closely limits are looked at.
+struct Accuracy {
+    /// Torque is sampled this many times as finely as the criterion.
+    samples: usize,
+    /// Excess over a linear limit, relative, that counts as none.
+    rows: f64,
+}
 
-/// Torque is sampled this many times as finely as the criterion.
-const TORQUE_SAMPLES: usize = 2;
+/// During a search. With rows held to 1e-7 its quadratic programs would exchange three times as many of them.
+const SEARCH: Accuracy = Accuracy { samples: 2, rows: 1e-4 };
+
+/// Of the motion that it ends with.
+const FINAL: Accuracy = Accuracy { samples: 20, rows: 1e-7 };
 
 /// A first guess is not shrunk below this part of itself.
 const START_FACTOR: f64 = 0.2;
@@ -80,7 +88,11 @@ pub(crate) struct Feasibility {
 }
 
 impl Feasibility {
-    pub(crate) fn new(problem: &DesignProblem) -> Result<Self, ExcitationError> {
+    pub(crate) fn new(problem: &DesignProblem) -> Self {
+        Self::with(problem, SEARCH)
+    }
+
+    fn with(problem: &DesignProblem, accuracy: Accuracy) -> Self {
         let basis = problem.basis().clone();
         let robot = problem.inner_robot.clone();
         let allowed = &problem.limits().margins;
@@ -91,7 +103,7 @@ impl Feasibility {
             acceleration: part * allowed.acceleration,
             torque: (1.0 - 2.0 * EXCESS_TOLERANCE) * allowed.torque,
         };
-        let samples = TORQUE_SAMPLES * problem.samples();
+        let samples = accuracy.samples * problem.samples();
         let models = problem.efforts().into_iter().chain(problem.payload_efforts());
         let of = |model| {
             let timeline = problem.timeline(basis.period_s());
@@ -114,10 +126,10 @@ impl Feasibility {
         }
         let timeline = problem.timeline(basis.period_s());
         let linear = AllRows {
-            period: LimitRows::new(&robot, &basis, &margins, ROW_TOLERANCE),
-            paths: PathRows::new(&robot, &basis, timeline, &margins, ROW_TOLERANCE),
+            period: LimitRows::new(&robot, &basis, &margins, accuracy.rows),
+            paths: PathRows::new(&robot, &basis, timeline, &margins, accuracy.rows),
         };
-        Ok(Self { robot, basis, margins, timeline, linear, smooth, efforts, samples, rms_speed })
+        Self { robot, basis, margins, timeline, linear, smooth, efforts, samples, rms_speed }
     }
 
     /// The first guess number `index`, inside the limits. Where clearances are asked for and it does not keep them, a few
@@ -150,14 +162,26 @@ impl Feasibility {
     /// way back inside more easily than away from rest.
     pub(crate) fn bring_inside(&mut self, mut trajectory: PeriodicTrajectory) -> PeriodicTrajectory {
         self.shrink_for_motion(&mut trajectory);
-        self.shrink_for_torque(trajectory, self.samples, START_FACTOR, (1.0 - START_FACTOR, START_HALVINGS))
+        self.shrink_for_torque(trajectory, START_FACTOR, (1.0 - START_FACTOR, START_HALVINGS))
     }
 
-    /// The last exact correction: what the optimiser's tolerances left is shrunk away.
-    pub(crate) fn finish(&mut self, mut trajectory: PeriodicTrajectory) -> PeriodicTrajectory {
-        self.shrink_for_motion(&mut trajectory);
-        // Ten times the optimiser's own grid, and refined in time.
-        self.shrink_for_torque(trajectory, 10 * self.samples, 0.0, FINISH)
+    /// The motion of a search's end, exactly inside: what the search's tolerances left outside linear limits is shrunk away, joint by
+    /// joint. Where another limit is still exceeded, the nearest motion inside all of them takes its place.
+    ///
+    /// Smaller amplitudes would not do for torque: where gravity and friction fill a limit, hardly any motion is left until a
+    /// thousandth of excess is gone.
+    pub(crate) fn finished(problem: &DesignProblem, x: &[f64]) -> Result<PeriodicTrajectory, ExcitationError> {
+        let mut limits = Self::with(problem, FINAL);
+        let mut trajectory = limits.basis.trajectory(x);
+        limits.shrink_for_motion(&mut trajectory);
+        if limits.smooth.excess(&limits.basis.coefficients(&trajectory)?) <= EXCESS_TOLERANCE {
+            return Ok(trajectory);
+        }
+        if let Some(x) = nearest_inside(x, &mut limits.linear, &mut limits.smooth, 0.5 * EXCESS_TOLERANCE) {
+            trajectory = limits.basis.trajectory(&x);
+            limits.shrink_for_motion(&mut trajectory);
+        }
+        Ok(limits.shrink_for_torque(trajectory, 0.0, FINISH))
     }
 
     /// Brings every joint inside its limits of position, velocity, acceleration and jerk, ramps included, and all inside the RMS speed.
@@ -177,6 +201,11 @@ impl Feasibility {
         }
     }
 
+    /// Whether torques and currents are inside, within the tolerance.
+    fn holds(&mut self, trajectory: &PeriodicTrajectory) -> bool {
+        self.efforts.iter_mut().all(|effort| effort.holds(trajectory, self.samples, 1.0 + EXCESS_TOLERANCE))
+    }
+
     /// Shrinks all amplitudes by the largest factor that brings torque inside: first by `1 − gap`, then by gaps four times
     /// as large until it is inside, then between by so many halvings.
     ///
@@ -184,19 +213,14 @@ impl Feasibility {
     fn shrink_for_torque(
         &mut self,
         trajectory: PeriodicTrajectory,
-        samples: usize,
         least: f64,
         (mut gap, halvings): (f64, usize),
     ) -> PeriodicTrajectory {
-        let efforts = &mut self.efforts;
-        let mut holds = |candidate: &PeriodicTrajectory| {
-            efforts.iter_mut().all(|effort| effort.holds(candidate, samples, 1.0 + EXCESS_TOLERANCE))
-        };
-        if holds(&trajectory) {
+        if self.holds(&trajectory) {
             return trajectory;
         }
         let (mut inside, mut outside) = (1.0 - gap, 1.0);
-        while !holds(&scaled(&trajectory, inside)) {
+        while !self.holds(&scaled(&trajectory, inside)) {
             if inside <= least {
                 return trajectory;
             }
@@ -205,7 +229,7 @@ impl Feasibility {
         }
         for _ in 0..halvings {
             let middle = 0.5 * (inside + outside);
-            if holds(&scaled(&trajectory, middle)) {
+            if self.holds(&scaled(&trajectory, middle)) {
                 inside = middle;
             } else {
                 outside = middle;
@@ -268,15 +292,16 @@ fn scaled(trajectory: &PeriodicTrajectory, factor: f64) -> PeriodicTrajectory {
 mod tests {
     use super::*;
     use crate::chains;
-    use crate::excitation::{CriterionKind, DesignLimits};
-    use crate::model::Columns;
+    use crate::excitation::{CriterionKind, DesignLimits, DesignSpace};
+    use crate::model::{Columns, Joint};
+    use crate::trajectory::Family;
 
     #[test]
     fn identity_where_no_first_guess_keeps_its_clearance_the_one_that_lacks_least_is_taken() {
         // No motion of this arm keeps its forearm so far from its base.
         let limits = DesignLimits { clearance_m: Some(0.4), ..DesignLimits::motion() };
         let problem = DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::DOptimal, limits).unwrap();
-        let mut feasibility = Feasibility::new(&problem).unwrap();
+        let mut feasibility = Feasibility::new(&problem);
         let (seed, index) = (Seed::new(7), 0);
         let excess = |feasibility: &mut Feasibility, guess: &PeriodicTrajectory| {
             let x = feasibility.basis.coefficients(guess).unwrap();
@@ -294,5 +319,48 @@ mod tests {
         assert!(least > EXCESS_TOLERANCE && least < all[0], "{all:?}");
         let taken = feasibility.first_guess(&problem, seed, index).unwrap();
         assert_eq!(excess(&mut feasibility, &taken), least);
+    }
+
+    #[test]
+    fn identity_a_motion_that_gravity_holds_outside_is_moved_inside_and_not_shrunk_to_rest() {
+        // So slowly that the shoulder's torque is that of its load, held around the horizontal, and of friction.
+        let with_shoulder = |torque: f64| {
+            let shoulder = |joint: &mut Joint| {
+                if joint.name == "shoulder" {
+                    (joint.limits.position, joint.limits.torque) = ((-3.0, 3.0), torque);
+                }
+            };
+            chains::crs_a460().with_joints(shoulder).unwrap()
+        };
+        let limits = DesignLimits { nominal: Some(chains::crs_a460_nominal()), ..DesignLimits::motion() };
+        let problem_of = |robot: Robot| {
+            let mut problem =
+                DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, limits.clone()).unwrap();
+            problem.set_space(DesignSpace::new(Family::Fourier, 500.0, vec![5; 6])).unwrap();
+            problem
+        };
+        let problem = problem_of(with_shoulder(100.0));
+        let mut motion = Feasibility::new(&problem).bring_inside(problem.start(Seed::new(7), 0).unwrap());
+        let states = motion.sample(100);
+        for (joint, held) in [(1, std::f64::consts::FRAC_PI_2), (2, 0.0)] {
+            let mean = (0..100).map(|k| states.q(k)[joint]).sum::<f64>() / 100.0;
+            motion.adjust(joint, 0.2, held - mean);
+        }
+        let used = Certificate::new(&problem, &motion).unwrap().worst.torque.unwrap();
+        let problem = problem_of(with_shoulder(used.value.abs() / (problem.limits().margins.torque * 1.001)));
+        let x = problem.basis().coefficients(&motion).unwrap();
+        let moved = |to: &PeriodicTrajectory| {
+            let to = problem.basis().coefficients(to).unwrap();
+            let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+            (square(&x.iter().zip(&to).map(|(x, y)| x - y).collect::<Vec<_>>()) / square(&x)).sqrt()
+        };
+        let finished = Feasibility::finished(&problem, &x).unwrap();
+        let shrunk = Feasibility::with(&problem, FINAL).shrink_for_torque(motion, 0.0, FINISH);
+        for motion in [&finished, &shrunk] {
+            let used = Certificate::new(&problem, motion).unwrap().worst.torque.unwrap().ratio;
+            let most = problem.limits().margins.torque;
+            assert!(used <= most && used > 0.999 * most, "{used}");
+        }
+        assert!(moved(&finished) < 0.002 && moved(&shrunk) > 0.05, "{} {}", moved(&finished), moved(&shrunk));
     }
 }

@@ -12,6 +12,7 @@ mod error;
 mod quadratic;
 #[cfg(test)]
 mod quadratic_tests;
+mod restoration;
 mod row;
 mod sequential;
 #[cfg(test)]
@@ -22,7 +23,8 @@ mod vectors;
 pub use brent::{CurvePoint, climb};
 pub use error::QuadraticError;
 pub use quadratic::{QuadraticSolution, solve_quadratic};
-pub use row::{Row, RowSource};
-pub use sequential::{LinearLimits, Objective, Progress, Sequential, SequentialSettings};
+pub use restoration::nearest_inside;
+pub use row::{LinearLimits, Row, RowSource};
+pub use sequential::{Objective, Progress, Sequential, SequentialSettings};
 pub use smooth::{CombinedLimits, SmoothLimits, SmoothRow};
 pub use vectors::{dot, square};

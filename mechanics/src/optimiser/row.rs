@@ -32,3 +32,9 @@ pub trait RowSource {
     /// Appends rows that `step` violates by more than their tolerance; none means that the step is feasible.
     fn violated(&mut self, step: &[f64], rows: &mut Vec<Row>);
 }
+
+/// Linear limits, possibly infinitely many, as rows around a point.
+pub trait LinearLimits: RowSource {
+    /// Rows are for steps from `x` from now on.
+    fn recenter(&mut self, x: &[f64]);
+}

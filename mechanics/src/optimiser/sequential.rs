@@ -13,13 +13,12 @@
 //! References: J. Nocedal, S. J. Wright, *Numerical Optimization*, 2nd ed., 2006, ch. 18; M. J. D. Powell, "A fast algorithm
 //! for nonlinearly constrained optimization calculations", Lecture Notes in Mathematics 630, 1978.
 
-use std::mem::replace;
-
 use nalgebra::{DMatrix, DVector};
 
 use super::error::QuadraticError;
 use super::quadratic::{QuadraticSolution, solve_quadratic};
-use super::row::{Row, RowSource};
+use super::restoration::{Both, solve_relaxed};
+use super::row::{LinearLimits, Row};
 use super::smooth::{SmoothLimits, SmoothRow, largest_of_limits, linearised};
 
 /// A function to be minimised.
@@ -29,12 +28,6 @@ pub trait Objective {
 
     /// Its gradient at the point of the last [`Self::value`].
     fn gradient(&mut self, gradient: &mut [f64]);
-}
-
-/// Linear limits, possibly infinitely many, as rows around a point.
-pub trait LinearLimits: RowSource {
-    /// Rows are for steps from `x` from now on.
-    fn recenter(&mut self, x: &[f64]);
 }
 
 /// What a step of the optimiser led to.
@@ -94,9 +87,6 @@ pub struct Sequential {
     pub settings: SequentialSettings,
 }
 
-/// Steps towards the inside of the smooth limits before they count as out of reach.
-const RESTORATIONS: usize = 8;
-
 /// Part of the predicted decrease that a step must reach.
 const SUFFICIENT: f64 = 1e-4;
 
@@ -140,35 +130,6 @@ impl Sequential {
         self.evaluations += 2;
     }
 
-    /// Moves to the nearest point inside the smooth limits, without looking at the objective:
-    ///
-    /// ```text
-    /// d = argmin ½ |d|²    subject to   x + d inside the linear limits,   c_r(x) + ∇c_r(x)ᵀ d ≤ 0        x ← x + d
-    /// ```
-    /// until the excess is `tolerance` at most: from nearly inside two or three such steps. Returns whether it got there.
-    pub fn restore(&mut self, linear: &mut dyn LinearLimits, smooth: &mut dyn SmoothLimits, tolerance: f64) -> bool {
-        let n = self.x.len();
-        let (still, even) = (DVector::zeros(n), DMatrix::identity(n, n));
-        let (gradient, inverse) = (replace(&mut self.gradient, still), replace(&mut self.inverse, even));
-        for _ in 0..RESTORATIONS {
-            self.excess = smooth.excess(&self.x);
-            if self.excess <= tolerance {
-                break;
-            }
-            linear.recenter(&self.x);
-            self.rows = linearised(smooth, &self.x);
-            self.warm.clear();
-            let Some(solution) = self.direction(linear) else { break };
-            for (x, d) in self.x.iter_mut().zip(&solution.step) {
-                *x += d;
-            }
-        }
-        (self.gradient, self.inverse) = (gradient, inverse);
-        self.excess = smooth.excess(&self.x);
-        self.rows = linearised(smooth, &self.x);
-        self.excess <= tolerance
-    }
-
     /// Resets B to a multiple of the identity of the same mean curvature.
     fn reset_hessian(&mut self) {
         let n = self.x.len();
@@ -192,11 +153,13 @@ impl Sequential {
         let d = &solution.step;
         let still = DVector::zeros(d.len());
         let slope = self.gradient.dot(d);
-        // What the model says the merit will lose: the smooth limits' excess goes to zero along d.
+        // What the model says the merit will lose: along d the excess of all limits goes to zero, also the little by which x is
+        // outside linear ones. Getting inside those may raise f by `restoring`, which is no reason to stay.
         let active = self.active_rows(&solution);
         let multiplier = largest_of_limits(&active);
         self.penalty = (2.0 * multiplier).max(0.5 * self.penalty + multiplier);
-        let promised = -slope + self.penalty * self.excess;
+        let restoring = self.cost_of_restoring(&solution);
+        let promised = -slope + self.penalty * self.excess + restoring;
         if promised < self.settings.tolerance {
             self.keep_active(solution, &still);
             return Progress::Stationary;
@@ -212,7 +175,7 @@ impl Sequential {
                 self.second_order_correction(d, length, promised, linear, smooth);
             let value = objective.value(&trial);
             self.evaluations += 1;
-            let trial_merit = value + self.penalty * excess;
+            let trial_merit = value + self.penalty * excess - length * restoring;
             if trial_merit <= merit - SUFFICIENT * length * promised {
                 let mut gradient = DVector::zeros(self.x.len());
                 objective.gradient(gradient.as_mut_slice());
@@ -281,30 +244,27 @@ impl Sequential {
         }
     }
 
-    /// Solves the program; where its smooth rows contradict the limits, they are asked for less.
+    /// Solves the program.
     fn direction(&mut self, linear: &mut dyn LinearLimits) -> Option<QuadraticSolution> {
-        let mut parts = [1.0, 0.5, 0.0].into_iter().peekable();
-        let mut is_reset = false;
-        while let Some(part) = parts.peek() {
-            let rows = self.rows.iter().map(|SmoothRow { row, .. }| {
-                let bound = if row.bound < 0.0 { part * row.bound } else { row.bound };
-                Row { bound, ..row.clone() }
-            });
-            let mut source = Both { smooth: rows.collect(), linear: &mut *linear };
-            let warm = self.warm.clone();
-            match solve_quadratic(&self.inverse, self.gradient.as_slice(), warm, &mut source) {
-                Ok(solution) => return Some(solution),
-                // The same once more without the Hessian so far, which rounding may have spoilt.
-                Err(QuadraticError::NotConvex | QuadraticError::Iterations { .. }) if !is_reset => {
-                    self.reset_hessian();
-                    is_reset = true;
-                }
-                Err(_) => {
-                    parts.next();
-                }
+        let solve = |state: &Self, linear: &mut dyn LinearLimits| {
+            solve_relaxed(&state.inverse, state.gradient.as_slice(), state.warm.clone(), &state.rows, linear)
+        };
+        match solve(self, linear) {
+            // The same once more without the Hessian so far, which rounding may have spoilt.
+            Err(QuadraticError::NotConvex | QuadraticError::Iterations { .. }) => {
+                self.reset_hessian();
+                solve(self, linear).ok()
             }
+            solution => solution.ok(),
         }
-        None
+    }
+
+    /// What it costs by the multipliers to come back into the linear limits that x is outside of, `Σ u_r max(−b_r, 0)`: at most what
+    /// the slope along the step has lost to them.
+    fn cost_of_restoring(&self, solution: &QuadraticSolution) -> f64 {
+        let is_linear = |row: &Row| self.rows.iter().all(|smooth| smooth.row.normal != row.normal);
+        let outside = solution.active.iter().filter(|(row, _)| row.bound < 0.0 && is_linear(row));
+        outside.map(|(row, multiplier)| -multiplier * row.bound).sum()
     }
 
     /// The smooth limits that are active in a solution, with their multipliers.
@@ -363,17 +323,4 @@ struct CorrectedPoint {
     excess: f64,
     /// −B e of the correction e.
     correction_gradient: DVector<f64>,
-}
-
-struct Both<'a> {
-    smooth: Vec<Row>,
-    linear: &'a mut dyn LinearLimits,
-}
-
-impl RowSource for Both<'_> {
-    fn violated(&mut self, step: &[f64], rows: &mut Vec<Row>) {
-        let tolerance = |row: &Row| 1e-9 * (1.0 + row.bound.abs());
-        rows.extend(self.smooth.iter().filter(|row| row.excess(step) > tolerance(row)).cloned());
-        self.linear.violated(step, rows);
-    }
 }

@@ -1,7 +1,8 @@
 //! The optimiser on problems whose solution is known in closed form, with a curved limit.
 
 use super::{
-    LinearLimits, Objective, Progress, Row, RowSource, Sequential, SequentialSettings, SmoothLimits, SmoothRow,
+    CombinedLimits, LinearLimits, Objective, Progress, Row, RowSource, Sequential, SequentialSettings, SmoothLimits,
+    SmoothRow, nearest_inside,
 };
 
 /// `f = s (x² + y² − 1) − w·(x, y)`.
@@ -91,4 +92,35 @@ fn analytic_steps_along_a_bend_are_not_cut() {
     let (state, progress) = minimum(Bowl { s: 0.4, w: [1.0, 0.0], at: [0.0; 2] }, [cos, sin]);
     assert!((state.x[0] - 1.0).abs() < 1e-6 && state.x[1].abs() < 1e-6, "{:?}", state.x);
     assert!(progress == Progress::Stationary && state.evaluations <= 30, "{progress:?} after {}", state.evaluations);
+}
+
+#[test]
+fn analytic_a_point_a_little_outside_a_linear_limit_moves_along_it() {
+    // Coming back to x = 10 raises f by 0.1, more than the 0.045 that y can gain on the way to its best value, 0.3.
+    let mut bowl = Bowl { s: 0.5, w: [110.0, 0.3], at: [0.0; 2] };
+    let (mut linear, mut free) = (Far::default(), CombinedLimits::default());
+    let settings = SequentialSettings { tolerance: 1e-12, max_evaluations: 60, ..SequentialSettings::default() };
+    let mut state = Sequential::new(vec![10.001, 0.0], &mut bowl, &mut free, settings);
+    while state.step(&mut bowl, &mut linear, &mut free) == Progress::Moved {}
+    assert!((state.x[0] - 10.0).abs() < 1e-12 && (state.x[1] - 0.3).abs() < 1e-6, "{:?}", state.x);
+}
+
+#[test]
+fn analytic_the_nearest_point_of_a_disc_is_on_the_ray_through_its_centre() {
+    let found = nearest_inside(&[1.02, 0.34], &mut Far::default(), &mut Disc, 1e-9).unwrap();
+    let size = libm::hypot(1.02, 0.34);
+    assert!((found[0] - 1.02 / size).abs() < 1e-8 && (found[1] - 0.34 / size).abs() < 1e-8, "{found:?}");
+    // A disc out of reach of the linear limits.
+    struct Beyond;
+    impl SmoothLimits for Beyond {
+        fn excess(&mut self, x: &[f64]) -> f64 {
+            (20.0 - x[0]).max(0.0)
+        }
+
+        fn linearise(&mut self, x: &[f64], rows: &mut Vec<SmoothRow>) {
+            let row = Row { start: 0, normal: vec![-1.0, 0.0], bound: x[0] - 20.0 };
+            rows.push(SmoothRow { row, limit: 0, at: 0.0 });
+        }
+    }
+    assert_eq!(nearest_inside(&[9.0, 0.0], &mut Far::default(), &mut Beyond, 1e-9), None);
 }
