@@ -1,6 +1,7 @@
 """A first motion as a lab does it, against `armid controller`: what a terminal shows is what `hardware/FIRST_MOTION.md` shows.
 
-Numbers differ from run to run; the page is compared without them. `WRITE=1` writes the page anew.
+Numbers differ from run to run, and so may the joint whose torque is predicted worst; the page is compared without them. `WRITE=1`
+writes the page anew.
 """
 
 import os
@@ -141,7 +142,7 @@ class FirstMotion(unittest.TestCase):
         page += TAIL
         if os.environ.get("WRITE"):
             PAGE.write_text(page, encoding="utf-8")
-        without_numbers = lambda text: re.sub(r" +", " ", re.sub(r"[-+]?\d[\d.e+-]*", "#", text)).splitlines()  # noqa: E731
+        without_numbers = lambda text: re.sub(r" +", " ", re.sub(r"[-+]?\d[\d.e+-]*|(?<=worst at )\w+", "#", text)).splitlines()  # noqa: E731
         self.assertEqual(without_numbers(page), without_numbers(PAGE.read_text(encoding="utf-8")))
 
 

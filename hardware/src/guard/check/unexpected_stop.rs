@@ -49,15 +49,17 @@ impl Check for UnexpectedStop {
                 if asked < (joint.following / 2.0).max(2.0 * joint.jump) {
                     continue;
                 }
+                let part = |gone: f64| (1.0 - gone / asked) / (1.0 - LEAST);
                 let mut gone = (sample.q[j] - q[j]).abs();
-                if gone < LEAST * asked {
+                // Looked up only where it counts: where the joint has turned back, it has gone further in between.
+                if part(gone) > self.used.min(1.0) {
                     let (low, high) = self
                         .past
                         .iter()
                         .fold((sample.q[j], sample.q[j]), |(low, high), (_, q, _)| (low.min(q[j]), high.max(q[j])));
                     gone = high - low;
                 }
-                self.used = self.used.max(((1.0 - gone / asked) / (1.0 - LEAST)).max(0.0));
+                self.used = self.used.max(part(gone));
                 if gone < LEAST * asked && found.is_none() {
                     found = Some(format!(
                         "joint \"{}\": moved {gone:.4} {unit} in {:.0} ms, expected most of the command's {asked:.4} {unit}",
@@ -74,5 +76,37 @@ impl Check for UnexpectedStop {
 
     fn take_used(&mut self) -> f64 {
         std::mem::take(&mut self.used)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use armid::conformance::chains::planar_2r;
+    use armid::experiment::Phase;
+
+    use super::*;
+    use crate::guard::GuardSettings;
+
+    #[test]
+    fn analytic_what_is_used_is_by_the_range_of_a_joint_that_turned_back() {
+        let bounds = JointBounds::of_robot(&planar_2r(), &GuardSettings::default());
+        // Between the first and the last sample the command goes 1 rad; the joint goes 0.7 rad, and 0.4 of it back.
+        let mut check = UnexpectedStop::new(&bounds, 0.2);
+        for (index, (command, q)) in [(0.0, 0.0), (0.5, 0.7), (1.0, 0.3)].into_iter().enumerate() {
+            let t = 0.1 * index as f64;
+            let (q, command) = ([q, 0.0], [command, 0.0]);
+            let sample = RawSample {
+                index,
+                t,
+                phase: Phase::Record,
+                q: &q,
+                effort: &[],
+                voltage: &[],
+                link_q: &[],
+                command: &command,
+            };
+            assert_eq!(check.sample(&sample), None);
+        }
+        assert!((check.take_used() - (1.0 - 0.7) / 0.75).abs() < 1e-12);
     }
 }
