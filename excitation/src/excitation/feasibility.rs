@@ -21,7 +21,7 @@ use crate::trajectory::{PeriodicTrajectory, Timeline};
 /// Excess over the permitted torque, already a little below the allowed one, that counts as none.
 pub(crate) const EXCESS_TOLERANCE: f64 = 1e-4;
 
-/// What the optimiser keeps away from a linear limit, relative, so that its own tolerance never exceeds it.
+/// What is kept away from a linear limit, relative, so that the tolerance of [`FINAL`] never exceeds it; that of a search may.
 const INSIDE: f64 = 1e-6;
 
 /// How closely limits are looked at.

@@ -64,13 +64,14 @@ pub struct HistoryPoint {
     /// Evaluations spent so far.
     pub evaluations: usize,
     /// The criterion of the best trajectory inside all limits so far, as it is reported: κ or ln det M, on the
-    /// optimiser's samples; that of the current iterate as long as none was inside.
+    /// optimiser's samples; that of the current iterate as long as none was inside. Limits hold within the tolerances of a search here:
+    /// the value of the design is that of its motion when it is exactly inside.
     #[serde(deserialize_with = "crate::plain::infinite::undecided")]
     pub value: f64,
     /// The criterion of the current iterate.
     #[serde(deserialize_with = "crate::plain::infinite::undecided")]
     pub current: f64,
     /// Excess of the current iterate over the permitted torques and currents, relative, and over the clearances, in
-    /// tenths of a metre, summed; the other limits always hold.
+    /// tenths of a metre, summed; the other limits hold, within a ten-thousandth of them.
     pub excess: f64,
 }

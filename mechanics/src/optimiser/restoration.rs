@@ -18,7 +18,7 @@ const PARTS: [f64; 3] = [1.0, 0.5, 0.0];
 /// ```text
 /// d = argmin ½ |d|²    subject to   x + d inside the linear limits,   c_r(x) + ∇c_r(x)ᵀ d ≤ 0        x ← x + d
 /// ```
-/// until the excess of the smooth limits is `tolerance` at most: from nearly inside two or three such steps. `None` where it stays larger.
+/// once, and until the excess of the smooth limits is `tolerance` at most: from nearly inside two or three such steps. `None` where it stays larger.
 pub fn nearest_inside(
     x: &[f64],
     linear: &mut dyn LinearLimits,

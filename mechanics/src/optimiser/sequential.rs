@@ -91,7 +91,7 @@ pub struct Sequential {
 const SUFFICIENT: f64 = 1e-4;
 
 impl Sequential {
-    /// Starts at `x`, which the linear limits allow.
+    /// Starts at `x`, which the linear limits allow, but for a little.
     pub fn new(
         x: Vec<f64>,
         objective: &mut dyn Objective,
