@@ -13,12 +13,13 @@ const STEPS: usize = 8;
 /// Parts of the way into the smooth limits that are asked for, one after the other, where the linear ones do not allow more.
 const PARTS: [f64; 3] = [1.0, 0.5, 0.0];
 
-/// The nearest point to `x` inside all limits, or the last of a few steps towards it:
+/// A point inside all limits near `x` (n), by steps that are each the shortest:
 ///
 /// ```text
 /// d = argmin ½ |d|²    subject to   x + d inside the linear limits,   c_r(x) + ∇c_r(x)ᵀ d ≤ 0        x ← x + d
 /// ```
-/// once, and until the excess of the smooth limits is `tolerance` at most: from nearly inside two or three such steps. `None` where it stays larger.
+/// One step at least, and more until the excess of the smooth limits is `tolerance` at most: from nearly inside two or three. `None`
+/// where a few do not reach that. The point is the nearest one to first order.
 pub fn nearest_inside(
     x: &[f64],
     linear: &mut dyn LinearLimits,
