@@ -186,7 +186,7 @@ impl MotionBasis {
     }
 
     /// Writes [`Self::derivative_row`] into a slice of its length.
-    fn fill_derivative_row(&self, index: usize, order: usize, phase: f64, row: &mut [f64]) {
+    pub(super) fn fill_derivative_row(&self, index: usize, order: usize, phase: f64, row: &mut [f64]) {
         let joint = &self.joints[index];
         if joint.frozen.is_some() {
             return;

@@ -10,9 +10,9 @@
 
 use nalgebra::DMatrix;
 
-use super::padded_rows::PaddedRows;
+use super::column_lines::{ColumnLines, Square};
 use crate::dynamics::States;
-use crate::regressor::JointTorqueRegressor;
+use crate::regressor::{JointTorqueRegressor, PartWeights};
 use crate::trajectory::Trajectory;
 
 /// The rows of one joint over all samples, on the columns where they can differ from zero.
@@ -21,16 +21,15 @@ struct JointRows {
     /// Position of each column among the kept ones.
     columns: Vec<usize>,
     /// The rows, N × w, already divided by the joint's noise.
-    rows: PaddedRows,
+    rows: ColumnLines,
+    /// The slopes of a function by the rows.
+    slopes: ColumnLines,
+    /// The products of the columns.
+    gram: Square,
+    /// The slopes of a function by these products.
+    by_gram: Square,
     /// 1/σ of the joint.
     weight: f64,
-}
-
-impl JointRows {
-    /// Room for the products of its columns.
-    fn no_gram(&self) -> PaddedRows {
-        PaddedRows::zeros(self.columns.len(), self.columns.len())
-    }
 }
 
 /// Samples whose rows are held at once where none is needed afterwards: they fit into the second cache.
@@ -45,6 +44,8 @@ pub struct Information {
     joints: Vec<JointRows>,
     samples: usize,
     prior: Option<DMatrix<f64>>,
+    /// Room for one joint's rows.
+    room: Vec<f64>,
 }
 
 impl Information {
@@ -63,10 +64,12 @@ impl Information {
         let joints = (0..n)
             .map(|i| {
                 let columns: Vec<usize> = (0..kept.len()).filter(|&c| pattern[i * p + kept[c]]).collect();
-                JointRows { rows: PaddedRows::zeros(samples, columns.len()), columns, weight: 1.0 / sigma[i] }
+                let rows = ColumnLines::zeros(samples, columns.len());
+                let (slopes, gram, by_gram) = (rows.clone(), rows.square(), rows.square());
+                JointRows { columns, rows, slopes, gram, by_gram, weight: 1.0 / sigma[i] }
             })
             .collect();
-        Self { regressor, kept: kept.to_vec(), joints, samples, prior }
+        Self { regressor, kept: kept.to_vec(), joints, samples, prior, room: Vec::new() }
     }
 
     /// The information matrix of many samples of a trajectory's period, b × b, per torque row, with other arguments as
@@ -79,14 +82,11 @@ impl Information {
         samples: usize,
     ) -> DMatrix<f64> {
         let mut own = Self::new(regressor, kept, SAMPLES_HELD.min(samples), sigma, None);
-        let mut grams: Vec<PaddedRows> = own.joints.iter().map(JointRows::no_gram).collect();
         for first in (0..samples).step_by(SAMPLES_HELD) {
             own.put(&trajectory.sample_part(samples, first..samples.min(first + SAMPLES_HELD)));
-            for (joint, gram) in own.joints.iter().zip(&mut grams) {
-                joint.rows.add_gram(gram);
-            }
+            own.multiply(first == 0);
         }
-        own.sum(&grams, samples)
+        own.sum(samples)
     }
 
     /// The information matrix of sampled states, b × b, per torque row.
@@ -96,13 +96,15 @@ impl Information {
     pub fn gather(&mut self, states: &States) -> DMatrix<f64> {
         assert_eq!(states.len(), self.samples, "samples of the motion");
         self.put(states);
-        let gram = |joint: &JointRows| {
-            let mut gram = joint.no_gram();
-            joint.rows.add_gram(&mut gram);
-            gram
-        };
-        let grams: Vec<PaddedRows> = self.joints.iter().map(gram).collect();
-        self.sum(&grams, self.samples)
+        self.multiply(true);
+        self.sum(self.samples)
+    }
+
+    /// The products of the columns of the rows at hand, in the place of those before or added to them.
+    fn multiply(&mut self, are_first: bool) {
+        for JointRows { rows, gram, .. } in &mut self.joints {
+            rows.gram(are_first, gram, &mut self.room);
+        }
     }
 
     /// Writes the rows of these states; those beyond them become zero.
@@ -110,25 +112,24 @@ impl Information {
         let joints = &mut self.joints;
         self.regressor.stack_in_parts(states, &self.kept, 1, |part| {
             for (i, joint) in joints.iter_mut().enumerate() {
-                for (place, &c) in joint.columns.iter().enumerate() {
-                    for (k, entry) in part.entries(i, c).iter().enumerate() {
-                        joint.rows.row_mut(part.first + k)[place] = joint.weight * entry;
-                    }
+                for (line, &c) in joint.rows.part_mut(part.first).iter_mut().zip(&joint.columns) {
+                    *line = part.line(i, c).map(|entry| joint.weight * entry);
                 }
             }
         });
         joints.iter_mut().for_each(|joint| joint.rows.clear_from(states.len()));
     }
 
-    /// The matrix of `count` samples by the products of each joint's rows.
-    fn sum(&self, grams: &[PaddedRows], count: usize) -> DMatrix<f64> {
+    /// The matrix of `count` samples by the products of each joint's columns.
+    fn sum(&self, count: usize) -> DMatrix<f64> {
         let (n, b) = (self.regressor.rows(), self.kept.len());
         let mut m = self.prior.clone().unwrap_or_else(|| DMatrix::zeros(b, b));
         let per_row = 1.0 / (n * count) as f64;
-        for (joint, gram) in self.joints.iter().zip(grams) {
-            for (r, &row) in joint.columns.iter().enumerate() {
-                for (&column, product) in joint.columns.iter().zip(gram.row(r)).skip(r) {
-                    m[(column, row)] += per_row * product;
+        for JointRows { columns, gram, .. } in &self.joints {
+            for (r, &row) in columns.iter().enumerate() {
+                let sums = &mut m.as_mut_slice()[row * b..(row + 1) * b];
+                for (&column, product) in columns[r..].iter().zip(&gram.row(r)[r..]) {
+                    sums[column] += per_row * product;
                 }
             }
         }
@@ -146,7 +147,7 @@ impl Information {
             for (i, joint) in self.joints.iter().enumerate() {
                 for k in 0..count {
                     let weighted = per_row * joint.weight * d[(k * n + i, e)];
-                    for (&row, &c) in joint.rows.row(k).iter().zip(&joint.columns) {
+                    for (row, &c) in joint.rows.row(k).zip(&joint.columns) {
                         moments[(c, e)] += weighted * row;
                     }
                 }
@@ -163,7 +164,7 @@ impl Information {
         for e in 0..s_c.ncols() {
             for (i, joint) in self.joints.iter().enumerate() {
                 for k in 0..count {
-                    let products = joint.rows.row(k).iter().zip(&joint.columns).map(|(&row, &c)| row * s_c[(c, e)]);
+                    let products = joint.rows.row(k).zip(&joint.columns).map(|(row, &c)| row * s_c[(c, e)]);
                     u[(k * n + i, e)] = per_row * joint.weight * products.sum::<f64>();
                 }
             }
@@ -174,42 +175,41 @@ impl Information {
     /// The gradient with respect to the last states, which must be handed in again, from `S = ∂f/∂M` (b × b, symmetric), and
     /// from `(d, S_c)` if f depends on moments too. What it depends on through d itself is not in it.
     pub fn pull_back(
-        &self,
+        &mut self,
         states: &States,
         s: &DMatrix<f64>,
         moments: Option<(&DMatrix<f64>, &DMatrix<f64>)>,
         sensitivity: &mut States,
     ) {
-        let (n, p, count) = (self.regressor.rows(), self.regressor.cols(), self.samples);
+        let (n, count) = (self.regressor.rows(), self.samples);
         let factor = 2.0 / (n * count) as f64;
-        let slopes_of = |(i, joint): (usize, &JointRows)| {
-            let width = joint.columns.len();
-            let mut own = PaddedRows::zeros(width, width);
-            for (r, &row) in joint.columns.iter().enumerate() {
-                for (entry, &column) in own.row_mut(r).iter_mut().zip(&joint.columns) {
-                    *entry = factor * joint.weight * s[(row, column)];
+        let b = self.kept.len();
+        for (i, JointRows { columns, rows, slopes, by_gram, weight, .. }) in self.joints.iter_mut().enumerate() {
+            for (r, &row) in columns.iter().enumerate() {
+                let s = &s.as_slice()[row * b..(row + 1) * b];
+                for (entry, &column) in by_gram.row_mut(r).iter_mut().zip(&*columns) {
+                    *entry = factor * *weight * s[column];
                 }
             }
-            let mut slopes = joint.rows.times(&own);
-            let Some((d, s_c)) = moments else { return slopes };
+            rows.times(by_gram, slopes);
+            let Some((d, s_c)) = moments else { continue };
             for k in 0..count {
                 for e in 0..d.ncols() {
-                    let weighted = 0.5 * factor * joint.weight * joint.weight * d[(k * n + i, e)];
-                    for (slope, &c) in slopes.row_mut(k).iter_mut().zip(&joint.columns) {
+                    let weighted = 0.5 * factor * *weight * *weight * d[(k * n + i, e)];
+                    for (slope, &c) in slopes.row_mut(k).zip(&*columns) {
                         *slope += weighted * s_c[(c, e)];
                     }
                 }
             }
-            slopes
-        };
-        let slopes: Vec<PaddedRows> = self.joints.iter().enumerate().map(slopes_of).collect();
+        }
         sensitivity.q.fill(0.0);
         sensitivity.qd.fill(0.0);
         sensitivity.qdd.fill(0.0);
-        let weights = |k: usize, g: &mut [f64]| {
-            for (i, (joint, slopes)) in self.joints.iter().zip(&slopes).enumerate() {
-                for (&value, &c) in slopes.row(k).iter().zip(&joint.columns) {
-                    g[i * p + self.kept[c]] = value;
+        let (joints, kept) = (&self.joints, &self.kept);
+        let weights = |part: &mut PartWeights| {
+            for (i, joint) in joints.iter().enumerate() {
+                for (line, &c) in joint.slopes.part(part.first).iter().zip(&joint.columns) {
+                    *part.line_mut(i, kept[c]) = *line;
                 }
             }
         };

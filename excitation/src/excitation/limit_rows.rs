@@ -55,14 +55,9 @@ impl LimitRows {
     fn peaks(&self, joint: usize, quantity: Quantity, sign: f64, x: &[f64], values: &[f64], rows: &mut Vec<Row>) {
         let (low, high) = self.intervals[joint][quantity as usize];
         let end = if sign > 0.0 { high } else { -low };
-        if !end.is_finite() {
-            return;
-        }
-        if stays_below(values, sign, end) {
-            return;
-        }
         let size = if low.is_finite() && high.is_finite() { 0.5 * (high - low) } else { end.abs().max(1.0) };
         let count = values.len() - 2;
+        let mut room = vec![0.0; x.len()];
         for (k, around) in values.windows(3).enumerate() {
             let [before, here, after] = [sign * around[0], sign * around[1], sign * around[2]];
             if here < before || here <= after {
@@ -77,7 +72,10 @@ impl LimitRows {
             }
             let step = TAU / count as f64;
             let polished = self.polish(joint, quantity, sign, x, step * (k as f64 + shift), step);
-            let value = |phase: f64| dot(&self.basis.row(joint, quantity, phase, sign), x);
+            let mut value = |phase: f64| {
+                self.basis.fill_derivative_row(joint, quantity as usize, phase, &mut room);
+                sign * dot(&room, x)
+            };
             // At a knot a spline's acceleration has a corner, which no Newton step finds; the grid holds all knots.
             let corner = step * k as f64;
             let phase = if value(corner) > value(polished) { corner } else { polished };
@@ -92,12 +90,14 @@ impl LimitRows {
     /// Newton steps to a local peak of `sign · quantity` from a phase near it, each of at most `reach`. The limit is held
     /// wherever they end: the row of any phase is a true one, and the next program asks again for the rows it breaks.
     fn polish(&self, joint: usize, quantity: Quantity, sign: f64, x: &[f64], from: f64, reach: f64) -> f64 {
-        let omega = self.basis.omega();
-        let mut phase = from;
+        let (omega, order) = (self.basis.omega(), quantity as usize);
+        let (mut phase, mut room) = (from, vec![0.0; x.len()]);
+        let mut derivative = |order: usize, phase: f64| {
+            self.basis.fill_derivative_row(joint, order, phase, &mut room);
+            dot(&room, x)
+        };
         for _ in 0..4 {
-            let order = quantity as usize;
-            let slope = dot(&self.basis.derivative_row(joint, order + 1, phase), x);
-            let curvature = dot(&self.basis.derivative_row(joint, order + 2, phase), x);
+            let (slope, curvature) = (derivative(order + 1, phase), derivative(order + 2, phase));
             if sign * curvature >= 0.0 {
                 break;
             }
@@ -111,17 +111,32 @@ impl LimitRows {
     }
 }
 
-/// Whether no peak of `sign · values` can come near `end`, by a look at all values without a branch. The vertex of the parabola through a
-/// peak and its neighbours is above it by at most an eighth of the larger difference, and a twentieth of the whole is added as room.
-fn stays_below(values: &[f64], sign: f64, end: f64) -> bool {
+/// How high the peaks of `values` and of their negatives can come at most, by a look at all values without a branch. The vertex of the
+/// parabola through a peak and its neighbours is above it by at most an eighth of the larger difference, and a twentieth of the whole is
+/// added as room.
+fn highest_peaks(values: &[f64]) -> [f64; 2] {
     const ROOM: f64 = 0.2;
-    let triples = values.iter().zip(&values[1..]).zip(&values[2..]);
-    let highest = triples.map(|((before, here), after)| {
-        let (here, least) = (sign * here, (sign * before).min(sign * after));
-        here + ROOM * (here - least)
-    });
-    highest.fold(f64::NEG_INFINITY, f64::max) < end
+    let least = |a: f64, b: f64| if a < b { a } else { b };
+    let most = |a: f64, b: f64| if a > b { a } else { b };
+    let (mut up, mut down) = ([f64::NEG_INFINITY; WIDE], [f64::NEG_INFINITY; WIDE]);
+    let mut look = |before: &[f64], here: &[f64], after: &[f64]| {
+        for (k, (up, down)) in up.iter_mut().zip(&mut down).enumerate().take(here.len()) {
+            let (before, here, after) = (before[k], here[k], after[k]);
+            *up = most(*up, here + ROOM * (here - least(before, after)));
+            *down = most(*down, ROOM * (most(before, after) - here) - here);
+        }
+    };
+    let count = values.len() - 2;
+    let whole = count - count % WIDE;
+    for k in (0..whole).step_by(WIDE) {
+        look(&values[k..k + WIDE], &values[k + 1..k + 1 + WIDE], &values[k + 2..k + 2 + WIDE]);
+    }
+    look(&values[whole..count], &values[whole + 1..=count], &values[whole + 2..]);
+    [up, down].map(|peaks| peaks.into_iter().fold(f64::NEG_INFINITY, most))
 }
+
+/// Running maxima of [`highest_peaks`].
+const WIDE: usize = 4;
 
 impl RowSource for LimitRows {
     fn violated(&mut self, step: &[f64], rows: &mut Vec<Row>) {
@@ -139,8 +154,12 @@ impl RowSource for LimitRows {
                 closed.extend(values.last());
                 closed.extend_from_slice(&values);
                 closed.extend(values.first());
-                for sign in [1.0, -1.0] {
-                    self.peaks(joint, quantity, sign, &moved[range.clone()], &closed, rows);
+                let (low, high) = self.intervals[joint][quantity as usize];
+                let [up, down] = highest_peaks(&closed);
+                for (sign, highest, end) in [(1.0, up, high), (-1.0, down, -low)] {
+                    if highest >= end {
+                        self.peaks(joint, quantity, sign, &moved[range.clone()], &closed, rows);
+                    }
                 }
             }
         }

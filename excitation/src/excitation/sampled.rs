@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use pulp::{Arch, Simd, WithSimd};
+
 use super::basis::MotionBasis;
 use crate::dynamics::States;
 use crate::optimiser::dot;
@@ -36,17 +38,33 @@ impl ShapeTable {
     pub(super) fn motion(&self, order: usize, coefficients: &[f64], out: &mut Vec<f64>) {
         out.clear();
         out.resize(self.samples, 0.0);
-        for (shape, c) in self.shapes[order].chunks_exact(self.samples).zip(coefficients) {
-            for (out, value) in out.iter_mut().zip(shape) {
-                *out += c * value;
-            }
-        }
+        Arch::new().dispatch(Combination { shapes: &self.shapes[order], coefficients, sum: out });
     }
 
     /// Adds to each coefficient's entry the sum of its shape's samples times these weights.
     fn pull_back(&self, order: usize, weights: &[f64], sums: &mut [f64]) {
         for (sum, shape) in sums.iter_mut().zip(self.shapes[order].chunks_exact(self.samples)) {
             *sum += dot(weights, shape);
+        }
+    }
+}
+
+/// Adds `Σ c_i s_i` for shapes as long as the sum, compiled for the vectors of the processor by their width alone.
+struct Combination<'a> {
+    shapes: &'a [f64],
+    coefficients: &'a [f64],
+    sum: &'a mut [f64],
+}
+
+impl WithSimd for Combination<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (shape, c) in self.shapes.chunks_exact(self.sum.len()).zip(self.coefficients) {
+            for (sum, value) in self.sum.iter_mut().zip(shape) {
+                *sum += c * value;
+            }
         }
     }
 }

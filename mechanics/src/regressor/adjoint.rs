@@ -60,6 +60,60 @@ impl<V: Lane> Workspace<V> {
     }
 }
 
+/// Weights of the regressor's entries at a few samples, n × p for each: a line holds those of one entry.
+#[derive(Debug)]
+pub struct PartWeights {
+    /// Number of the first sample.
+    pub first: usize,
+    /// Number of samples, at most [`SAMPLES_OF_PART`].
+    pub count: usize,
+    columns: usize,
+    lines: Vec<Line>,
+}
+
+/// Samples of a part that is not the last.
+pub const SAMPLES_OF_PART: usize = TOGETHER;
+
+impl PartWeights {
+    fn of(regressor: &JointTorqueRegressor) -> Self {
+        let (n, p) = (regressor.rows(), regressor.cols());
+        Self { first: 0, count: 0, columns: p, lines: vec![Line::ZERO; n * p] }
+    }
+
+    fn begin(&mut self, first: usize, all: usize) {
+        self.first = first;
+        self.count = TOGETHER.min(all - first);
+    }
+
+    /// The weights of row `joint` and column `column`, sample by sample. Those beyond the last sample mean nothing.
+    ///
+    /// # Panics
+    /// If there is no such joint or column.
+    #[inline(always)]
+    pub fn line_mut(&mut self, joint: usize, column: usize) -> &mut [f64; SAMPLES_OF_PART] {
+        assert!(column < self.columns, "column {column} of {}", self.columns);
+        &mut self.lines[joint * self.columns + column].0
+    }
+
+    /// Writes all weights of one sample, n × p row-major.
+    ///
+    /// # Panics
+    /// If `sample` is not one of the part's.
+    pub fn put_sample(&mut self, sample: usize, g: &[f64]) {
+        for (line, &weight) in self.lines.iter_mut().zip(g) {
+            line.0[sample] = weight;
+        }
+    }
+
+    /// Reads the weights of one sample in the columns from `start` on, row-major.
+    fn sample(&self, sample: usize, start: usize, g: &mut [f64]) {
+        let rows = self.lines.chunks_exact(self.columns).map(|row| &row[start..]);
+        for (to, line) in g.iter_mut().zip(rows.flatten()) {
+            *to = line.0[sample];
+        }
+    }
+}
+
 impl JointTorqueRegressor {
     /// Adds the gradient of `L = Σ_ic g_ic Y_ic(q, q̇, q̈)` with respect to positions, velocities and accelerations to
     /// `dq`, `dqd` and `dqdd` (n each).
@@ -102,15 +156,15 @@ impl JointTorqueRegressor {
     }
 
     /// Adds the gradients of such a sum of each of many samples to `slopes`, several samples at once: bit by bit what [`Self::adjoint`] adds of
-    /// each. `samples` and `slopes` are N × n row-major. `weights(k, g)` writes those of sample k into g, the same places for all samples;
-    /// elsewhere it is zero.
+    /// each. `samples` and `slopes` are N × n row-major. `weights` writes those of a few samples, the same places each time; elsewhere they
+    /// are zero.
     ///
     /// # Panics
     /// If they are not as long as each other, or not those of whole samples.
     pub fn adjoint_of_samples(
         &self,
         samples: [&[f64]; 3],
-        mut weights: impl FnMut(usize, &mut [f64]),
+        mut weights: impl FnMut(&mut PartWeights),
         slopes: [&mut [f64]; 3],
     ) {
         let n = self.rows();
@@ -119,10 +173,14 @@ impl JointTorqueRegressor {
         if self.links.is_empty() {
             return Arch::new().dispatch(OfSamples { regressor: self, samples, weights, slopes });
         }
-        let (mut g, [dq, dqd, dqdd]) = (vec![0.0; n * self.cols()], slopes);
+        let (mut part, mut g, [dq, dqd, dqdd]) = (PartWeights::of(self), vec![0.0; n * self.cols()], slopes);
         for k in 0..count {
+            if k % TOGETHER == 0 {
+                part.begin(k, count);
+                weights(&mut part);
+            }
             let own = k * n..(k + 1) * n;
-            weights(k, &mut g);
+            part.sample(k % TOGETHER, 0, &mut g);
             let slopes = [&mut dq[own.clone()], &mut dqd[own.clone()], &mut dqdd[own.clone()]];
             self.adjoint(samples.map(|x| &x[own.clone()]), &g, slopes);
         }
@@ -233,7 +291,7 @@ struct OfSamples<'a, F> {
     slopes: [&'a mut [f64]; 3],
 }
 
-impl<F: FnMut(usize, &mut [f64])> WithSimd for OfSamples<'_, F> {
+impl<F: FnMut(&mut PartWeights)> WithSimd for OfSamples<'_, F> {
     type Output = ();
 
     #[inline(always)]
@@ -242,23 +300,18 @@ impl<F: FnMut(usize, &mut [f64])> WithSimd for OfSamples<'_, F> {
         let (n, p) = (regressor.rows(), regressor.cols());
         let mut state = Together::new(n);
         let mut work = Workspace::new(n, Wide::new(simd, simd.splat_f64s(0.0)));
-        let (mut g, mut lines, mut found) =
-            (vec![0.0; TOGETHER * n * p], vec![Line::ZERO; n * p], vec![[[0.0; TOGETHER]; 3]; n]);
+        let (mut part, mut found) = (PartWeights::of(regressor), vec![[[0.0; TOGETHER]; 3]; n]);
+        // Of the terms' columns, whose laws are evaluated sample by sample.
+        let terms = p - 10 * n;
+        let mut of_terms = vec![0.0; n * terms];
         // No term depends on it here.
         let mut by_load = vec![0.0; n];
         let all = samples_of(n, samples);
         for first in (0..all).step_by(TOGETHER) {
             let count = TOGETHER.min(all - first);
             state.fill(samples, first, 1, count);
-            for (lane, g) in g.chunks_exact_mut(n * p).enumerate().take(count) {
-                weights(first + lane, g);
-                // Of links that the joint carries.
-                for i in 0..n {
-                    for at in i * p + 10 * i..i * p + 10 * n {
-                        lines[at].0[lane] = g[at];
-                    }
-                }
-            }
+            part.begin(first, all);
+            weights(&mut part);
             for vector in 0..TOGETHER / S::F64_LANES {
                 let at = |x: &[f64; TOGETHER]| Wide::new(simd, S::as_simd_f64s(x).0[vector]);
                 regressor.sweep(
@@ -266,7 +319,7 @@ impl<F: FnMut(usize, &mut [f64])> WithSimd for OfSamples<'_, F> {
                     #[inline(always)]
                     |k| [at(&state.q[k]), at(&state.qd[k]), at(&state.qdd[k])],
                     #[inline(always)]
-                    |place| at(&lines[place].0),
+                    |place| at(&part.lines[place].0),
                     #[inline(always)]
                     |k, slopes| {
                         for (to, slope) in found[k].iter_mut().zip(slopes) {
@@ -275,17 +328,21 @@ impl<F: FnMut(usize, &mut [f64])> WithSimd for OfSamples<'_, F> {
                     },
                 );
             }
-            for (lane, g) in g.chunks_exact(n * p).enumerate().take(count) {
+            for lane in 0..count {
                 let own = (first + lane) * n..(first + lane + 1) * n;
                 let slopes = [&mut dq[own.clone()], &mut dqd[own.clone()], &mut dqdd[own.clone()]];
-                for (part, slopes) in slopes.into_iter().enumerate() {
+                for (component, slopes) in slopes.into_iter().enumerate() {
                     for (slope, found) in slopes.iter_mut().zip(&found) {
-                        *slope += found[part][lane];
+                        *slope += found[component][lane];
                     }
                 }
+                if terms == 0 {
+                    continue;
+                }
+                part.sample(lane, 10 * n, &mut of_terms);
                 let [q, qd, qdd] = samples.map(|x| &x[own.clone()]);
                 let slopes = [&mut dq[own.clone()], &mut dqd[own.clone()], &mut dqdd[own], &mut by_load];
-                regressor.terms.add_gradient(&TermState { q, qd, qdd, load: &[] }, 10 * n, p, g, slopes);
+                regressor.terms.add_gradient(&TermState { q, qd, qdd, load: &[] }, 0, terms, &of_terms, slopes);
             }
         }
     }
@@ -372,18 +429,17 @@ mod tests {
             let draw = |rng: &mut _| chains::random_state(rng, n * count);
             let (q, qd, qdd) = draw(&mut rng);
             let states = [&q[..], &qd, &qdd];
-            let weights = |k: usize, g: &mut [f64]| {
-                g.iter_mut().zip(&case.g).for_each(|(to, from)| *to = (k as f64 - 4.5) * from);
+            let weights_of = |k: usize| -> Vec<f64> { case.g.iter().map(|g| (k as f64 - 4.5) * g).collect() };
+            let weights = |part: &mut PartWeights| {
+                (0..part.count).for_each(|k| part.put_sample(k, &weights_of(part.first + k)));
             };
             let mut expected = [vec![0.25; n * count], vec![0.5; n * count], vec![0.75; n * count]];
             let [mut wide, mut narrow] = [expected.clone(), expected.clone()];
             for k in 0..count {
                 let own = k * n..(k + 1) * n;
-                let mut g = case.g.clone();
-                weights(k, &mut g);
                 regressor.adjoint(
                     states.map(|x| &x[own.clone()]),
-                    &g,
+                    &weights_of(k),
                     expected.each_mut().map(|x| &mut x[own.clone()]),
                 );
             }

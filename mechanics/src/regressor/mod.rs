@@ -23,6 +23,7 @@ mod moving_base;
 mod stack;
 mod straight_axis;
 
+pub use adjoint::{PartWeights, SAMPLES_OF_PART};
 pub use body::BodyRegressor;
 pub use joint_torque::JointTorqueRegressor;
 pub use moving_base::BaseState;

@@ -1,8 +1,10 @@
 //! Functions of the extreme eigenvalues of a symmetric matrix, and their derivatives.
 
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::DMatrix;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::definition::Score;
+use crate::linalg::symmetric_eigen;
 
 /// `½ (ln λ_max − ln λ_min)` and one subgradient; with a sharpness p its bound `1/(2p) (ln Σ λ^p + ln Σ λ^−p)` and the gradient.
 pub(super) fn log_condition(m: &DMatrix<f64>, sharpness: Option<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
@@ -89,7 +91,7 @@ pub(super) fn spectral(
     let mut weights = vec![0.0; b];
     let (values, vectors) = match &sensitivity {
         Some(_) => {
-            let eigen = SymmetricEigen::new(m.clone());
+            let eigen = symmetric_eigen(m.clone());
             (eigen.eigenvalues, Some(eigen.eigenvectors))
         }
         None => (m.symmetric_eigenvalues(), None),
@@ -100,20 +102,36 @@ pub(super) fn spectral(
     let value = if sound { of(values.as_slice(), &mut weights) } else { Score::exact(f64::INFINITY) };
     if let (Some(s), Some(vectors)) = (sensitivity, vectors) {
         s.fill(0.0);
-        let largest = weights.iter().fold(0.0_f64, |x, y| x.max(y.abs()));
-        for (i, &weight) in weights.iter().enumerate() {
+        Arch::new().dispatch(Outer { weights: &weights, vectors: vectors.as_slice(), sum: s.as_mut_slice() });
+        s.fill_upper_triangle_with_lower_triangle();
+    }
+    value
+}
+
+/// Adds the lower triangle of `Σ w_i v_i v_iᵀ` for the columns v_i, compiled for the vectors of the processor by their width alone.
+struct Outer<'a> {
+    weights: &'a [f64],
+    vectors: &'a [f64],
+    sum: &'a mut [f64],
+}
+
+impl WithSimd for Outer<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let b = self.weights.len();
+        let largest = self.weights.iter().fold(0.0_f64, |x, y| x.max(y.abs()));
+        for (&weight, v) in self.weights.iter().zip(self.vectors.chunks_exact(b)) {
             if weight.abs() <= 1e-18 * largest {
                 continue;
             }
-            let v = &vectors.as_slice()[i * b..(i + 1) * b];
-            for (c, &vc) in v.iter().enumerate() {
+            for (c, (&vc, column)) in v.iter().zip(self.sum.chunks_exact_mut(b)).enumerate() {
                 let factor = weight * vc;
-                for (entry, &vr) in s.column_mut(c).as_mut_slice()[c..].iter_mut().zip(&v[c..]) {
+                for (entry, &vr) in column[c..].iter_mut().zip(&v[c..]) {
                     *entry += factor * vr;
                 }
             }
         }
-        s.fill_upper_triangle_with_lower_triangle();
     }
-    value
 }

@@ -12,6 +12,7 @@ use super::worst::{Peak, Place, Survey, refine};
 use crate::dynamics::States;
 use crate::excitation::basis::MotionBasis;
 use crate::optimiser::{Row, SmoothLimits, SmoothRow};
+use crate::regressor::PartWeights;
 use crate::trajectory::{PathPoint, Segment, Timeline, Trajectory};
 
 /// Local peaks below this part of the permitted effort get no row.
@@ -153,7 +154,10 @@ impl EffortLimits {
             states.push(q, qd, qdd);
             self.model.write_weights(channel, instant.sign, instant.scale, weights);
         }
-        let weights = |k: usize, g: &mut [f64]| g.copy_from_slice(&all_weights[k * places..(k + 1) * places]);
+        let weights = |part: &mut PartWeights| {
+            let own = all_weights.chunks_exact(places).skip(part.first).take(part.count);
+            own.enumerate().for_each(|(k, g)| part.put_sample(k, g));
+        };
         self.model.regressor.adjoint_of_samples(states.arrays(), weights, slopes.arrays_mut());
         slopes
     }

@@ -16,7 +16,7 @@ use super::periodic_derivative::PeriodicDerivative;
 use crate::dynamics::{States, TermState, TorqueTerms};
 use crate::linalg::dot;
 use crate::model::{Columns, Robot, StandardParameters};
-use crate::regressor::JointTorqueRegressor;
+use crate::regressor::{JointTorqueRegressor, PartWeights};
 
 /// The terms of an effect, bound to a robot.
 #[derive(Clone, Debug)]
@@ -248,13 +248,14 @@ impl EffectTorques {
 
     /// Adds the gradient of `Σ u·τ + Σ u_l·τ_l`.
     fn add_adjoint(&self, states: &States, by_torque: &[f64], by_load: &[f64], slopes: &mut States) {
-        let (n, p) = (self.regressor.rows(), self.regressor.cols());
-        let weights = |k: usize, g: &mut [f64]| {
-            let range = k * n..(k + 1) * n;
-            let weights = by_torque[range.clone()].iter().zip(&by_load[range]);
-            for (row, (torque, load)) in g.chunks_exact_mut(p).zip(weights) {
-                for ((g, phi), link) in row.iter_mut().zip(&self.phi).zip(&self.links) {
-                    *g = torque * phi + load * link;
+        let n = self.regressor.rows();
+        let weights = |part: &mut PartWeights| {
+            for k in 0..part.count {
+                for i in 0..n {
+                    let at = (part.first + k) * n + i;
+                    for (c, (phi, link)) in self.phi.iter().zip(&self.links).enumerate() {
+                        part.line_mut(i, c)[k] = by_torque[at] * phi + by_load[at] * link;
+                    }
                 }
             }
         };
