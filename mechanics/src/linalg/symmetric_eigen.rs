@@ -201,5 +201,11 @@ mod tests {
             assert!((found.recompose() - &a).amax() <= 1e-13 * n as f64 * a.amax(), "run {run}");
         }
         assert_eq!(symmetric_eigen(DMatrix::zeros(3, 3)).eigenvalues, DVector::zeros(3));
+        // It ends, whatever the numbers.
+        for bad in [f64::NAN, f64::INFINITY] {
+            let mut a = DMatrix::from_element(5, 5, 1.0);
+            a[(3, 1)] = bad;
+            assert!(symmetric_eigen(a).eigenvalues.iter().any(|value| !value.is_finite()));
+        }
     }
 }
