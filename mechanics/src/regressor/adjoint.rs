@@ -23,9 +23,9 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::body::{BodyRegressor, Weights};
 use super::joint_torque::JointTorqueRegressor;
+use super::part_weights::PartWeights;
 use crate::dynamics::{TOGETHER, TermState, Together, samples_of};
 use crate::lanes::{Lane, Wide};
-use crate::linalg::column_products::Line;
 use crate::spatial::{LaneForce, LaneMotion, LanePlacement};
 
 /// What the outward sweep leaves for one link.
@@ -56,60 +56,6 @@ impl<V: Lane> Workspace<V> {
             links: vec![LinkState { placement, v: none, a: none, carried: (none, none) }; n],
             axes: vec![none; n * (n + 1) / 2],
             s_bar: vec![LaneForce::zero(zero); n],
-        }
-    }
-}
-
-/// Weights of the regressor's entries at a few samples, n × p for each: a line holds those of one entry.
-#[derive(Debug)]
-pub struct PartWeights {
-    /// Number of the first sample.
-    pub first: usize,
-    /// Number of samples, at most [`SAMPLES_OF_PART`].
-    pub count: usize,
-    columns: usize,
-    lines: Vec<Line>,
-}
-
-/// Samples of a part that is not the last.
-pub const SAMPLES_OF_PART: usize = TOGETHER;
-
-impl PartWeights {
-    fn of(regressor: &JointTorqueRegressor) -> Self {
-        let (n, p) = (regressor.rows(), regressor.cols());
-        Self { first: 0, count: 0, columns: p, lines: vec![Line::ZERO; n * p] }
-    }
-
-    fn begin(&mut self, first: usize, all: usize) {
-        self.first = first;
-        self.count = TOGETHER.min(all - first);
-    }
-
-    /// The weights of row `joint` and column `column`, sample by sample. Those beyond the last sample mean nothing.
-    ///
-    /// # Panics
-    /// If there is no such joint or column.
-    #[inline(always)]
-    pub fn line_mut(&mut self, joint: usize, column: usize) -> &mut [f64; SAMPLES_OF_PART] {
-        assert!(column < self.columns, "column {column} of {}", self.columns);
-        &mut self.lines[joint * self.columns + column].0
-    }
-
-    /// Writes all weights of one sample, n × p row-major.
-    ///
-    /// # Panics
-    /// If `sample` is not one of the part's.
-    pub fn put_sample(&mut self, sample: usize, g: &[f64]) {
-        for (line, &weight) in self.lines.iter_mut().zip(g) {
-            line.0[sample] = weight;
-        }
-    }
-
-    /// Reads the weights of one sample in the columns from `start` on, row-major.
-    fn sample(&self, sample: usize, start: usize, g: &mut [f64]) {
-        let rows = self.lines.chunks_exact(self.columns).map(|row| &row[start..]);
-        for (to, line) in g.iter_mut().zip(rows.flatten()) {
-            *to = line.0[sample];
         }
     }
 }
@@ -173,7 +119,8 @@ impl JointTorqueRegressor {
         if self.links.is_empty() {
             return Arch::new().dispatch(OfSamples { regressor: self, samples, weights, slopes });
         }
-        let (mut part, mut g, [dq, dqd, dqdd]) = (PartWeights::of(self), vec![0.0; n * self.cols()], slopes);
+        let (mut part, mut g, [dq, dqd, dqdd]) =
+            (PartWeights::new(self.rows(), self.cols()), vec![0.0; n * self.cols()], slopes);
         for k in 0..count {
             if k % TOGETHER == 0 {
                 part.begin(k, count);
@@ -300,12 +247,10 @@ impl<F: FnMut(&mut PartWeights)> WithSimd for OfSamples<'_, F> {
         let (n, p) = (regressor.rows(), regressor.cols());
         let mut state = Together::new(n);
         let mut work = Workspace::new(n, Wide::new(simd, simd.splat_f64s(0.0)));
-        let (mut part, mut found) = (PartWeights::of(regressor), vec![[[0.0; TOGETHER]; 3]; n]);
-        // Of the terms' columns, whose laws are evaluated sample by sample.
+        let (mut part, mut found) = (PartWeights::new(n, p), vec![[[0.0; TOGETHER]; 3]; n]);
+        // Laws of terms are evaluated sample by sample. None depends on the load here.
         let terms = p - 10 * n;
-        let mut of_terms = vec![0.0; n * terms];
-        // No term depends on it here.
-        let mut by_load = vec![0.0; n];
+        let (mut of_terms, mut by_load) = (vec![0.0; n * terms], vec![0.0; n]);
         let all = samples_of(n, samples);
         for first in (0..all).step_by(TOGETHER) {
             let count = TOGETHER.min(all - first);
@@ -319,7 +264,7 @@ impl<F: FnMut(&mut PartWeights)> WithSimd for OfSamples<'_, F> {
                     #[inline(always)]
                     |k| [at(&state.q[k]), at(&state.qd[k]), at(&state.qdd[k])],
                     #[inline(always)]
-                    |place| at(&part.lines[place].0),
+                    |place| at(part.line(place)),
                     #[inline(always)]
                     |k, slopes| {
                         for (to, slope) in found[k].iter_mut().zip(slopes) {

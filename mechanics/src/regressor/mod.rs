@@ -20,11 +20,12 @@ mod cells;
 mod gram;
 mod joint_torque;
 mod moving_base;
+mod part_weights;
 mod stack;
 mod straight_axis;
 
-pub use adjoint::{PartWeights, SAMPLES_OF_PART};
 pub use body::BodyRegressor;
 pub use joint_torque::JointTorqueRegressor;
 pub use moving_base::BaseState;
+pub use part_weights::PartWeights;
 pub use stack::{BLOCKS_OF_PART, StackPart};
