@@ -1,5 +1,7 @@
 //! The entries of equations of like samples, as columns to be condensed into few rows.
 
+use std::ops::Range;
+
 use nalgebra::DMatrix;
 
 use super::observation::Observation;
@@ -9,6 +11,9 @@ use crate::linalg::{ColumnProducts, RowFactor};
 const WORTH_FACTORING: usize = 2;
 /// Groups of more samples than this many times their columns are worth the check of what products of the columns lose.
 const WORTH_PRODUCTS: usize = 16;
+
+/// Samples whose entries are looked at together.
+const AT_ONCE: usize = 8;
 
 /// Entries of column j in the rows of joint i, from a matrix whose rows are `dof` joints of each sample.
 pub(super) fn joint_entries(w: &DMatrix<f64>, dof: usize, i: usize, j: usize) -> impl Iterator<Item = f64> {
@@ -20,6 +25,21 @@ pub(super) fn put_joint_entries(w: &DMatrix<f64>, dof: usize, i: usize, j: usize
     for (to, sample) in to.iter_mut().zip(w.as_slice()[j * w.nrows()..(j + 1) * w.nrows()].chunks_exact(dof)) {
         *to = sample[i];
     }
+}
+
+/// Whether any entry of each joint is not zero, in a column of `dof` rows for each sample: all but the signs of many samples at once.
+fn are_loaded(column: &[f64], dof: usize) -> Vec<bool> {
+    let mut bits = vec![0; AT_ONCE * dof];
+    let is_set = |i: usize, bits: &[u64]| bits.iter().skip(i).step_by(dof).any(|bits| *bits != 0);
+    for samples in column.chunks(64 * bits.len()) {
+        for samples in samples.chunks(bits.len()) {
+            bits.iter_mut().zip(samples).for_each(|(bits, entry)| *bits |= entry.to_bits() << 1);
+        }
+        if (0..dof).all(|i| is_set(i, &bits)) {
+            break;
+        }
+    }
+    (0..dof).map(|i| is_set(i, &bits)).collect()
 }
 
 /// The columns of the joints of a group that are not zero, joint by joint, each with its torque last.
@@ -38,9 +58,13 @@ impl<'a> Entries<'a> {
         let (n, b, w) = (observation.dof, observation.regressor.ncols(), &observation.regressor);
         let rows = w.nrows();
         // Column by column, so that one stays in a cache for all joints.
-        let seen = |column: &[f64], i: usize| used[i] && samples.iter().any(|&k| column[k * n + i] != 0.0);
-        let seen: Vec<bool> =
-            w.as_slice().chunks_exact(rows.max(1)).flat_map(|column| (0..n).map(move |i| seen(column, i))).collect();
+        let seen = |column: &'a [f64]| match samples {
+            &[first, .., last] if last - first + 1 == samples.len() => {
+                are_loaded(&column[first * n..(last + 1) * n], n)
+            }
+            _ => (0..n).map(|i| samples.iter().any(|&k| column[k * n + i] != 0.0)).collect(),
+        };
+        let seen: Vec<bool> = w.as_slice().chunks_exact(rows.max(1)).flat_map(seen).collect();
         let places: Vec<(usize, usize)> = (0..n)
             .filter(|&i| used[i])
             .flat_map(|i| (0..b).map(move |j| (i, j)).filter(|(i, j)| seen[j * n + i]).chain([(i, b)]))
@@ -96,16 +120,41 @@ impl<'a> Entries<'a> {
         if !self.fill(WORTH_PRODUCTS) {
             return Some(self.rows_by_reflections());
         }
-        let (mut products, n) = (ColumnProducts::new(self.places.len()), self.sizes.0);
+        let (distinct, alike) = self.distinct();
+        let (mut products, n) = (ColumnProducts::new(distinct.len()), self.sizes.0);
         match self.samples {
             // Mostly they are all, one after the other.
             &[first, .., last] if last - first + 1 == self.samples.len() => {
-                let sources: Vec<&[f64]> = self.sources.iter().map(|source| &source[first * n..]).collect();
-                products.add(self.samples.len(), |k, entry| sources[entry][k * n]);
+                let of = |column: usize, rows: Range<usize>| {
+                    let source = &self.sources[distinct[column]][(first + rows.start) * n..];
+                    source.chunks(n).take(rows.len()).map(|sample| sample[0])
+                };
+                products.add(self.samples.len(), of);
             }
-            _ => products.add(self.samples.len(), |k, entry| self.at(k, entry)),
+            _ => products.add(self.samples.len(), |column, rows| {
+                let entry = distinct[column];
+                rows.map(move |k| self.at(k, entry))
+            }),
         }
         let root = products.root()?;
-        Some(self.rows(root.nrows(), |k, entry| root[(k, entry)]))
+        Some(self.rows(root.nrows(), |k, entry| root[(k, alike[entry])]))
+    }
+
+    /// The entries that differ from each other, and which of them each is: joints on parallel axes carry the inertia of a link alike. The
+    /// joints of a column follow each other, so that it is read while it is in a cache.
+    fn distinct(&self) -> (Vec<usize>, Vec<usize>) {
+        let mut order: Vec<usize> = (0..self.places.len()).collect();
+        order.sort_by_key(|&entry| self.places[entry].1);
+        let (mut distinct, mut alike): (Vec<usize>, _) = (Vec::new(), vec![0; order.len()]);
+        let are_alike = |a: usize, b: usize| {
+            self.places[a].1 == self.places[b].1 && (0..self.samples.len()).all(|k| self.at(k, a) == self.at(k, b))
+        };
+        for entry in order {
+            if !distinct.last().is_some_and(|&last| are_alike(last, entry)) {
+                distinct.push(entry);
+            }
+            alike[entry] = distinct.len() - 1;
+        }
+        (distinct, alike)
     }
 }

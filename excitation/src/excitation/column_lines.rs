@@ -14,6 +14,8 @@ const LINE: usize = BLOCKS_OF_PART;
 
 /// Columns of a block. Sixteen sums fill half the registers of any 64-bit processor.
 const BLOCK: usize = 4;
+/// Columns of the right side of a product where vectors hold as many: four rows of them are four vectors.
+const WIDE: usize = 8;
 
 /// Rows of `width` numbers. Columns beyond fill up the last block with zeros.
 #[derive(Clone, Debug)]
@@ -41,6 +43,29 @@ impl Square {
     /// Row r, to be written.
     pub(super) fn row_mut(&mut self, r: usize) -> &mut [f64] {
         &mut self.values[r * self.stride..][..self.width]
+    }
+
+    /// Products of the columns from `left` on with `WIDTH` from `right` on, over all `rows`.
+    #[inline(always)]
+    fn add_block<const WIDTH: usize>(&mut self, rows: &[f64], are_first: bool, left: usize, right: usize) {
+        let stride = self.stride;
+        let mut sums = [[0.0; WIDTH]; BLOCK];
+        if !are_first {
+            for (r, sums) in sums.iter_mut().enumerate() {
+                *sums = *block(&self.values[(left + r) * stride..], right);
+            }
+        }
+        for row in rows.chunks_exact(stride) {
+            let (a, b) = (block::<BLOCK>(row, left), block::<WIDTH>(row, right));
+            for r in 0..BLOCK {
+                for c in 0..WIDTH {
+                    sums[r][c] += a[r] * b[c];
+                }
+            }
+        }
+        for (r, sums) in sums.iter().enumerate() {
+            self.values[(left + r) * stride + right..][..WIDTH].copy_from_slice(sums);
+        }
     }
 }
 
@@ -92,8 +117,9 @@ impl ColumnLines {
         }
     }
 
+    /// Blocks are `WIDTH` columns wide, and where fewer are left, [`BLOCK`].
     #[inline(always)]
-    fn blocks_of_gram(&self, are_first: bool, gram: &mut Square, rows: &mut Vec<f64>) {
+    fn blocks_of_gram<const WIDTH: usize>(&self, are_first: bool, gram: &mut Square, rows: &mut Vec<f64>) {
         let stride = self.stride;
         // Neighbours in a row side by side, so that a vector holds them.
         rows.resize(self.lines.len() * LINE, 0.0);
@@ -106,24 +132,13 @@ impl ColumnLines {
             }
         }
         for left in (0..stride).step_by(BLOCK) {
-            for right in (left..stride).step_by(BLOCK) {
-                let mut sums = [[0.0; BLOCK]; BLOCK];
-                if !are_first {
-                    for (r, sums) in sums.iter_mut().enumerate() {
-                        *sums = *block(&gram.values[(left + r) * stride..], right);
-                    }
-                }
-                for row in rows.chunks_exact(stride) {
-                    let (a, b) = (block(row, left), block(row, right));
-                    for r in 0..BLOCK {
-                        for c in 0..BLOCK {
-                            sums[r][c] += a[r] * b[c];
-                        }
-                    }
-                }
-                for (r, sums) in sums.iter().enumerate() {
-                    gram.values[(left + r) * stride + right..][..BLOCK].copy_from_slice(sums);
-                }
+            let mut right = left;
+            while right + WIDTH <= stride {
+                gram.add_block::<WIDTH>(rows, are_first, left, right);
+                right += WIDTH;
+            }
+            for right in (right..stride).step_by(BLOCK) {
+                gram.add_block::<BLOCK>(rows, are_first, left, right);
             }
         }
     }
@@ -142,7 +157,7 @@ impl ColumnLines {
             for (to, left) in product.as_chunks_mut::<BLOCK>().0.iter_mut().zip((0..).step_by(BLOCK)) {
                 let mut sums = [[0.0; LINE]; BLOCK];
                 for (line, from) in lines.iter().zip(square.values.chunks_exact(stride)) {
-                    let factors = block(from, left);
+                    let factors = block::<BLOCK>(from, left);
                     for c in 0..BLOCK {
                         for r in 0..LINE {
                             sums[c][r] += line[r] * factors[c];
@@ -168,7 +183,12 @@ impl WithSimd for Gram<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        self.rows.blocks_of_gram(self.are_first, self.gram, self.room);
+        let Self { rows, are_first, gram, room } = self;
+        if S::F64_LANES < WIDE {
+            rows.blocks_of_gram::<BLOCK>(are_first, gram, room);
+        } else {
+            rows.blocks_of_gram::<WIDE>(are_first, gram, room);
+        }
     }
 }
 
@@ -186,7 +206,7 @@ impl WithSimd for Product<'_> {
 
 /// A block's worth of a row.
 #[inline(always)]
-fn block(row: &[f64], start: usize) -> &[f64; BLOCK] {
+fn block<const WIDTH: usize>(row: &[f64], start: usize) -> &[f64; WIDTH] {
     row[start..].first_chunk().expect("rows are padded to whole blocks")
 }
 

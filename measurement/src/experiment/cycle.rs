@@ -69,7 +69,7 @@ pub(super) struct Timing {
 /// How far an experiment has come: servo steps, samples, spans of its layout.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Place {
-    step: usize,
+    pub(super) step: usize,
     sample: usize,
     span: usize,
 }

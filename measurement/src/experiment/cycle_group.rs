@@ -1,8 +1,10 @@
 //! Several experiments of one arm, servo step by servo step together.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::arm::{Ending, Sink};
+use super::command_table::CommandTable;
 use super::cycle::{Cycle, Next};
 use super::joint_loops::{JointLoops, Runs};
 use super::plant::PlantError;
@@ -16,6 +18,8 @@ use crate::lanes::MOST_LANES;
 pub struct CycleGroup {
     members: Vec<Member>,
     loops: Option<JointLoops>,
+    /// The commands of all runs, where they are one table.
+    shared: Option<Arc<CommandTable>>,
     /// Rows of n, for what is said of one run.
     rows: [Vec<f64>; 2],
 }
@@ -53,9 +57,11 @@ impl CycleGroup {
     pub fn new(cycles: Vec<(usize, Cycle)>) -> Self {
         assert!((1..=MOST_LANES).contains(&cycles.len()), "one to {MOST_LANES} experiments, not {}", cycles.len());
         let loops = JointLoops::new(&cycles.iter().map(|(_, cycle)| &cycle.joints).collect::<Vec<_>>());
-        let row = vec![0.0; cycles[0].1.start().len()];
+        let (row, table) = (vec![0.0; cycles[0].1.start().len()], &cycles[0].1.timing.table);
+        let is_shared = cycles.iter().all(|(_, cycle)| Arc::ptr_eq(&cycle.timing.table, table));
+        let shared = is_shared.then(|| Arc::clone(table));
         let member = |(place, cycle)| Member { place, cycle, ending: None, due: false };
-        Self { members: cycles.into_iter().map(member).collect(), loops, rows: [row.clone(), row] }
+        Self { members: cycles.into_iter().map(member).collect(), loops, shared, rows: [row.clone(), row] }
     }
 
     /// Length of a servo step, s.
@@ -76,12 +82,14 @@ impl CycleGroup {
     /// One servo step of every experiment that goes on, as [`Cycle::advance`]; returns whether one does. Coordinates and velocities of
     /// the joints in, efforts on them out.
     pub fn advance<S: Sink>(&mut self, q: &[Runs], qd: &[Runs], tau: &mut [Runs], sinks: &mut [S]) -> bool {
-        let Self { members, loops, rows } = self;
+        let Self { members, loops, shared, rows } = self;
+        let step = going(members).next().map(|(_, member)| member.cycle.place.step);
+        let shared = shared.as_deref().zip(step).map(|(table, step)| table.row(step));
         match loops {
             Some(loops) => {
-                begin_step(members, loops, (q, qd), rows);
+                begin_step(members, loops, shared, (q, qd), rows);
                 loops.step(q, qd, tau);
-                finish_step(members, loops, rows, sinks);
+                finish_step(members, loops, shared, rows, sinks);
             }
             None => {
                 for (run, member) in going(members) {
@@ -127,9 +135,18 @@ impl CycleGroup {
     }
 }
 
-/// Commands and noise of a step of all runs that go on; some end instead.
-fn begin_step(members: &mut [Member], loops: &mut JointLoops, (q, qd): (&[Runs], &[Runs]), rows: &mut [Vec<f64>; 2]) {
+/// Commands and noise of a step of all runs that go on; some end instead. `shared` is what all are commanded, if that is one thing.
+fn begin_step(
+    members: &mut [Member],
+    loops: &mut JointLoops,
+    shared: Option<&[f64]>,
+    (q, qd): (&[Runs], &[Runs]),
+    rows: &mut [Vec<f64>; 2],
+) {
     let runs = members.len();
+    if let Some(command) = shared {
+        loops.command(0..MOST_LANES, command);
+    }
     let calm = all_finite(q) && all_slow(qd, &members[0].cycle.runaway);
     for (run, Member { cycle, ending, due, .. }) in going(members) {
         match cycle.place.begin(&cycle.timing) {
@@ -143,7 +160,9 @@ fn begin_step(members: &mut [Member], loops: &mut JointLoops, (q, qd): (&[Runs],
         if ending.is_some() {
             continue;
         }
-        loops.command(lanes(run, runs), cycle.place.command(&cycle.timing));
+        if shared.is_none() {
+            loops.command(lanes(run, runs), cycle.place.command(&cycle.timing));
+        }
         let sensors = &mut cycle.joints.sensors;
         if loops.has_position_noise() {
             sensors.position_noise(|i, noise| loops.set_position_noise(lanes(run, runs), i, noise));
@@ -155,14 +174,20 @@ fn begin_step(members: &mut [Member], loops: &mut JointLoops, (q, qd): (&[Runs],
 }
 
 /// Hands the samples of a step on.
-fn finish_step<S: Sink>(members: &mut [Member], loops: &JointLoops, rows: &mut [Vec<f64>; 2], sinks: &mut [S]) {
+fn finish_step<S: Sink>(
+    members: &mut [Member],
+    loops: &JointLoops,
+    shared: Option<&[f64]>,
+    rows: &mut [Vec<f64>; 2],
+    sinks: &mut [S],
+) {
     for (run, Member { cycle, ending, due, place }) in going(members) {
         let [q, effort] = rows;
         if *due {
             loops.read(run, q, effort);
         }
         let reported = due.then_some([&q[..], &effort[..], &[], &[]]);
-        let command = cycle.place.command(&cycle.timing);
+        let command = shared.unwrap_or_else(|| cycle.place.command(&cycle.timing));
         let stopped = cycle.place.finish(&cycle.timing, command, reported, &mut sinks[*place]);
         *ending = stopped.map(|stopped| cycle.end(stopped));
     }

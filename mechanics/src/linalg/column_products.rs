@@ -43,7 +43,7 @@ impl Line {
 /// use armid::linalg::ColumnProducts;
 /// use nalgebra::dmatrix;
 /// let mut products = ColumnProducts::new(2);
-/// products.add(3, |row, column| [[3.0, 1.0], [0.0, 2.0], [4.0, 1.0]][row][column]);
+/// products.add(3, |column, rows| rows.map(move |row| [[3.0, 1.0], [0.0, 2.0], [4.0, 1.0]][row][column]));
 /// let squares = products.clone().finish();
 /// assert_eq!(squares, dmatrix![25.0, 7.0; 7.0, 6.0]);
 /// let root = products.root().unwrap();
@@ -67,21 +67,22 @@ impl ColumnProducts {
         Self { columns, held, waiting: 0, sums, arch: Arch::new() }
     }
 
-    /// Adds `count` rows, whose entries `entry(row, column)` gives.
-    pub fn add(&mut self, count: usize, mut entry: impl FnMut(usize, usize) -> f64) {
+    /// Adds `count` rows, of which `entries(column, rows)` gives those of a column.
+    ///
+    /// # Panics
+    /// If they are fewer than the rows that are asked for.
+    pub fn add<I: Iterator<Item = f64>>(&mut self, count: usize, entries: impl Fn(usize, Range<usize>) -> I) {
         let mut done = 0;
         while done < count {
             let taken = (DEPTH * SUMS - self.waiting).min(count - done);
             for (column, lines) in self.held.chunks_exact_mut(DEPTH).enumerate() {
+                let mut own = entries(column, done..done + taken);
+                let mut next = || own.next().expect("an entry for each row");
                 if taken == DEPTH * SUMS {
-                    for (line, first) in lines.iter_mut().zip((done..).step_by(SUMS)) {
-                        line.0 = std::array::from_fn(|row| entry(first + row, column));
-                    }
-                    continue;
-                }
-                let places = lines.iter_mut().flat_map(|line| &mut line.0).skip(self.waiting);
-                for (row, place) in (done..done + taken).zip(places) {
-                    *place = entry(row, column);
+                    lines.iter_mut().for_each(|line| line.0 = std::array::from_fn(|_| next()));
+                } else {
+                    let places = lines.iter_mut().flat_map(|line| &mut line.0).skip(self.waiting);
+                    places.take(taken).for_each(|place| *place = next());
                 }
             }
             self.waiting += taken;
@@ -107,6 +108,7 @@ impl ColumnProducts {
 
     /// The rows R (r × c, r the number of independent columns) with `RᵀR = WᵀW` up to [`Self::rounding_errors`]: the Cholesky factor with the largest pivot first. `None` where a sum is not finite, or so small that it has no digits.
     pub fn root(self) -> Option<DMatrix<f64>> {
+        let arch = self.arch;
         let gram = self.finish();
         let c = gram.ncols();
         if !gram.iter().all(|entry| entry.is_finite()) || !(0..c).all(|j| gram[(j, j)] >= LEAST_SQUARE) {
@@ -124,10 +126,12 @@ impl ColumnProducts {
             let column = gram.column(pivot);
             let mut row: Vec<f64> =
                 column.iter().zip(&lengths).map(|(entry, length)| entry / lengths[pivot] / length).collect();
-            for before in &rows {
-                let size = before[pivot];
-                row.iter_mut().zip(before).for_each(|(entry, of_before)| *entry -= size * of_before);
-            }
+            arch.dispatch(|| {
+                for before in &rows {
+                    let size = before[pivot];
+                    row.iter_mut().zip(before).for_each(|(entry, of_before)| *entry -= size * of_before);
+                }
+            });
             let root = left[pivot].sqrt();
             for j in 0..c {
                 row[j] = if is_done[j] { 0.0 } else { row[j] / root };
@@ -257,7 +261,7 @@ mod tests {
         let mut products = ColumnProducts::new(w.ncols());
         let mut first = 0;
         for &count in parts {
-            products.add(count, |row, column| w[(first + row, column)]);
+            products.add(count, |column, rows| rows.map(move |row| w[(first + row, column)]));
             first += count;
         }
         assert_eq!(first, w.nrows());
@@ -293,7 +297,7 @@ mod tests {
         let whole = of(&w, &[300]);
         assert_eq!(of(&w, &[1, 127, 128, 7, 37]).finish(), whole.clone().finish());
         let mut narrow = ColumnProducts { arch: Arch::Scalar, ..ColumnProducts::new(21) };
-        narrow.add(300, |row, column| w[(row, column)]);
+        narrow.add(300, |column, rows| w.column(column).iter().skip(rows.start).copied());
         assert_eq!(narrow.root(), whole.root());
     }
 

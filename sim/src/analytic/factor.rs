@@ -91,18 +91,18 @@ impl<const N: usize, V: Lane> Factor<N, V> {
                 w[i][j] = -sum;
             }
         }
-        let mut out = w;
-        for i in 0..N {
+        // From the last row on, so that those above it are still those of W.
+        for i in (0..N).rev() {
             for j in i..N {
                 // The last of the sum has a one of W's diagonal.
                 let mut sum = if i == j { self.reciprocal[i] } else { self.reciprocal[i] * w[i][j] };
                 for k in 0..i {
                     sum = sum + w[k][i] * self.reciprocal[k] * w[k][j];
                 }
-                (out[i][j], out[j][i]) = (sum, sum);
+                (w[i][j], w[j][i]) = (sum, sum);
             }
         }
-        out
+        w
     }
 
     /// `H⁻¹ x`.

@@ -160,13 +160,16 @@ fn in_parts<const N: usize, V: Lane>(
 ) -> State<N, V> {
     let h = parts.splat(length).over(parts);
     let (mut y, mut done, most) = (*start, 0.0, parts.most());
-    let mut stages = [(y.v, y.v); 4];
+    let zeros = [h.splat(0.0); N];
+    let mut stages = [(zeros, zeros); 4];
     while done < most {
         let (mut q, mut v) = (y.q, y.v);
         for stage in 0..if to_middle { 2 } else { 4 } {
             let is_known = stage == 0 && done == 0.0;
             let a = held.accelerations(&if is_known { *taken } else { chain.forces.torque(&q, &v) });
-            stages[stage] = (v, a);
+            // One by one they are stored from registers, both together by a call.
+            stages[stage].0 = v;
+            stages[stage].1 = a;
             let ahead = if stage < 2 { h * h.splat(0.5) } else { h };
             q = along(&y.q, &v, ahead);
             v = along(&y.v, &a, ahead);
@@ -208,8 +211,8 @@ pub(crate) fn step<const N: usize, V: Sines>(
     let h = one.splat(dt);
     let (mut parts_of_runs, mut some_whole, mut some_divided) = (one, true, false);
     let (mut q, mut v, mut divided) = (y.q, y.v, *y);
-    let mut stages = [(y.v, y.v); 4];
     let mut taken_at_start = [one.splat(0.0); N];
+    let mut stages = [(taken_at_start, taken_at_start); 4];
     for evaluation in 0..=MIDDLE {
         if evaluation == MIDDLE {
             if !some_divided {
@@ -229,7 +232,8 @@ pub(crate) fn step<const N: usize, V: Sines>(
                 turns = chain.forces.turns(&v, &change, REACH);
                 some_divided = turns.most() > 0.5;
             }
-            stages[evaluation] = (v, a);
+            stages[evaluation].0 = v;
+            stages[evaluation].1 = a;
             let ahead = if evaluation < 2 { h * one.splat(0.5) } else { h };
             q = along(&y.q, &v, ahead);
             v = along(&y.v, &a, ahead);
