@@ -158,3 +158,43 @@ impl<'a> Entries<'a> {
         (distinct, alike)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimation::tests::a460_samples;
+
+    #[test]
+    fn identity_products_of_columns_that_differ_are_those_by_reflections() {
+        let (robot, _, regressor, base, samples) = a460_samples(3500);
+        let observation = Observation::new(&robot, &regressor, &base, &samples).unwrap();
+        let (n, used) = (observation.dof, [true; 6]);
+        let all: Vec<usize> = (0..observation.samples()).collect();
+        // The second is of samples that do not follow each other.
+        for samples in [all.clone(), all.into_iter().filter(|k| k % 10 != 3).collect()] {
+            let entries = Entries::of(&observation, &used, &samples);
+            let (distinct, alike) = entries.distinct();
+            // Axes 2 and 3 are parallel: five columns of the inertia of each link after them.
+            assert_eq!(alike.len() - distinct.len(), 20);
+            for (entry, &column) in alike.iter().enumerate() {
+                assert_eq!(entries.places[distinct[column]].1, entries.places[entry].1);
+            }
+            let (found, expected) = (entries.rows_by_products().unwrap(), entries.rows_by_reflections());
+            // Products of all pairs of joints.
+            let products = |rows: &DMatrix<f64>, i: usize, j: usize| {
+                let of = |joint: usize| {
+                    DMatrix::from_fn(rows.nrows() / n, rows.ncols(), |k, column| rows[(k * n + joint, column)])
+                };
+                of(i).tr_mul(&of(j))
+            };
+            let squares: Vec<_> = (0..n).map(|i| products(&expected, i, i)).collect();
+            for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                let (found, expected) = (products(&found, i, j), products(&expected, i, j));
+                for (a, b) in (0..found.nrows()).flat_map(|a| (0..found.ncols()).map(move |b| (a, b))) {
+                    let size = (squares[i][(a, a)] * squares[j][(b, b)]).sqrt();
+                    assert!((found[(a, b)] - expected[(a, b)]).abs() <= 1e-12 * size, "joints {i} {j}, {a} {b}");
+                }
+            }
+        }
+    }
+}

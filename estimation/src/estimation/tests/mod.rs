@@ -16,4 +16,4 @@ mod recovery;
 mod robust;
 mod setting;
 
-pub(super) use setting::synthetic;
+pub(super) use setting::{a460_samples, synthetic};

@@ -22,7 +22,9 @@ pub(super) fn a460() -> (Robot, StandardParameters) {
 }
 
 /// Exact samples of the A460 on Table I at `count` instants, with the regressor and the base of all columns.
-pub(super) fn a460_samples(count: usize) -> (Robot, StandardParameters, JointTorqueRegressor, BaseReduction, Samples) {
+pub(in crate::estimation) fn a460_samples(
+    count: usize,
+) -> (Robot, StandardParameters, JointTorqueRegressor, BaseReduction, Samples) {
     a460_samples_of(count, |_| {})
 }
 
