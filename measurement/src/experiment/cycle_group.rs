@@ -326,17 +326,23 @@ mod tests {
         let servo = Servo::new(robot, &hinges::parameters(dof), FlyWheels::new(dof)).unwrap();
         let servo = servo.with_sensing(sensing.clone()).with_motors(motors);
         let fates = fates(dof);
-        let cycles: Vec<Cycle> = (0..)
-            .zip(&fates)
-            .flat_map(|(run, fate)| servo.cycles(&fate.plan, &[Seed::new(3).of_run(run)]).unwrap())
-            .collect();
-        let expected: Vec<_> = cycles.iter().zip(&fates).map(|(cycle, fate)| alone(cycle.clone(), fate, dof)).collect();
+        let streams: Vec<_> = (0..).map(|run| Seed::new(3).of_run(run)).take(fates.len()).collect();
+        let of_plans =
+            fates.iter().zip(&streams).flat_map(|(fate, &of_run)| servo.cycles(&fate.plan, &[of_run]).unwrap());
+        // With plans of their own, and with one whose commands they share.
+        for cycles in [of_plans.collect(), servo.cycles(&fates[0].plan, &streams).unwrap()] {
+            compare(robot, &cycles, &fates, dof);
+        }
+    }
+
+    fn compare(robot: &Robot, cycles: &[Cycle], fates: &[Fate], dof: usize) {
+        let expected: Vec<_> = cycles.iter().zip(fates).map(|(cycle, fate)| alone(cycle.clone(), fate, dof)).collect();
         assert!(expected.iter().all(|(said, _)| !said.is_empty()));
         let mut widths = vec![Arch::Scalar, Arch::new()];
         #[cfg(target_arch = "x86_64")]
         widths.extend(pulp::x86::V3::try_new().map(Arch::V3));
         for arch in widths {
-            let found = together(cycles.clone(), &fates, dof, arch);
+            let found = together(cycles.to_vec(), fates, dof, arch);
             assert!(found.iter().map(|run| &run.0).eq(expected.iter().map(|run| &run.0)), "{}, {arch:?}", robot.name());
             // As text, since a velocity that is no number equals nothing.
             let ending =
