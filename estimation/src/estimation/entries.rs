@@ -27,6 +27,12 @@ pub(super) fn put_joint_entries(w: &DMatrix<f64>, dof: usize, i: usize, j: usize
     }
 }
 
+/// Samples that follow each other, as they mostly do.
+fn in_a_row(samples: &[usize]) -> Option<Range<usize>> {
+    let (&first, &last) = (samples.first()?, samples.last()?);
+    (last - first + 1 == samples.len()).then_some(first..last + 1)
+}
+
 /// Whether any entry of each joint is not zero, in a column of `dof` rows for each sample: all but the signs of many samples at once.
 fn are_loaded(column: &[f64], dof: usize) -> Vec<bool> {
     let mut bits = vec![0; AT_ONCE * dof];
@@ -58,11 +64,9 @@ impl<'a> Entries<'a> {
         let (n, b, w) = (observation.dof, observation.regressor.ncols(), &observation.regressor);
         let rows = w.nrows();
         // Column by column, so that one stays in a cache for all joints.
-        let seen = |column: &'a [f64]| match samples {
-            &[first, .., last] if last - first + 1 == samples.len() => {
-                are_loaded(&column[first * n..(last + 1) * n], n)
-            }
-            _ => (0..n).map(|i| samples.iter().any(|&k| column[k * n + i] != 0.0)).collect(),
+        let seen = |column: &'a [f64]| match in_a_row(samples) {
+            Some(samples) => are_loaded(&column[samples.start * n..samples.end * n], n),
+            None => (0..n).map(|i| samples.iter().any(|&k| column[k * n + i] != 0.0)).collect(),
         };
         let seen: Vec<bool> = w.as_slice().chunks_exact(rows.max(1)).flat_map(seen).collect();
         let places: Vec<(usize, usize)> = (0..n)
@@ -122,16 +126,12 @@ impl<'a> Entries<'a> {
         }
         let (distinct, alike) = self.distinct();
         let (mut products, n) = (ColumnProducts::new(distinct.len()), self.sizes.0);
-        match self.samples {
-            // Mostly they are all, one after the other.
-            &[first, .., last] if last - first + 1 == self.samples.len() => {
-                let of = |column: usize, rows: Range<usize>| {
-                    let source = &self.sources[distinct[column]][(first + rows.start) * n..];
-                    source.chunks(n).take(rows.len()).map(|sample| sample[0])
-                };
-                products.add(self.samples.len(), of);
-            }
-            _ => products.add(self.samples.len(), |column, rows| {
+        match in_a_row(self.samples) {
+            Some(samples) => products.add(samples.len(), |column, rows| {
+                let source = &self.sources[distinct[column]][(samples.start + rows.start) * n..];
+                source.chunks(n).take(rows.len()).map(|sample| sample[0])
+            }),
+            None => products.add(self.samples.len(), |column, rows| {
                 let entry = distinct[column];
                 rows.map(move |k| self.at(k, entry))
             }),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::arm::{Ending, Sink};
 use super::command_table::CommandTable;
-use super::cycle::{Cycle, Next};
+use super::cycle::{Cycle, Next, Timing};
 use super::joint_loops::{JointLoops, Runs};
 use super::plant::PlantError;
 use crate::lanes::MOST_LANES;
@@ -57,8 +57,10 @@ impl CycleGroup {
     pub fn new(cycles: Vec<(usize, Cycle)>) -> Self {
         assert!((1..=MOST_LANES).contains(&cycles.len()), "one to {MOST_LANES} experiments, not {}", cycles.len());
         let loops = JointLoops::new(&cycles.iter().map(|(_, cycle)| &cycle.joints).collect::<Vec<_>>());
-        let (row, table) = (vec![0.0; cycles[0].1.start().len()], &cycles[0].1.timing.table);
-        let is_shared = cycles.iter().all(|(_, cycle)| Arc::ptr_eq(&cycle.timing.table, table));
+        let (row, Timing { table, .. }) = (vec![0.0; cycles[0].1.start().len()], &cycles[0].1.timing);
+        // None has begun, so that they are commanded alike as long as they go on.
+        let is_shared =
+            cycles.iter().all(|(_, cycle)| Arc::ptr_eq(&cycle.timing.table, table) && cycle.place.step == 0);
         let shared = is_shared.then(|| Arc::clone(table));
         let member = |(place, cycle)| Member { place, cycle, ending: None, due: false };
         Self { members: cycles.into_iter().map(member).collect(), loops, shared, rows: [row.clone(), row] }
