@@ -43,7 +43,8 @@ impl ExpectedResidual {
         let operator = noise.operator(observation.samples());
         for first in (0..inverse.ncols()).step_by(COLUMNS) {
             let range = first..(first + COLUMNS).min(inverse.ncols());
-            let spread = operator.apply(&instruments.columns(observation, range.clone())?);
+            let columns = instruments.columns(observation, range.clone())?;
+            let spread = operator.apply_to_columns(&columns, observation.regressor.nrows());
             for (i, sums) in joints.iter_mut().enumerate() {
                 let places: Vec<usize> = (0..range.len()).collect();
                 let spread = with_end(observation, i, &spread, &places);

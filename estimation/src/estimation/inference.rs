@@ -253,7 +253,8 @@ impl Inference<'_> {
         let mut products = DMatrix::zeros(b, b);
         for first in (0..b).step_by(COLUMNS) {
             let range = first..(first + COLUMNS).min(b);
-            let spread = operator.apply(&self.instruments.columns(observation, range.clone())?);
+            let columns = self.instruments.columns(observation, range.clone())?;
+            let spread = operator.apply_to_columns(&columns, observation.regressor.nrows());
             products.columns_range_mut(range).copy_from(&self.instruments.transposed_product(observation, &spread)?);
         }
         Ok(products)

@@ -4,6 +4,7 @@
 //! Bᵀ (y − W β̂) = 0        B = W (OLS), Σ⁻¹ W (WLS), or any other (n·M) × b
 //! ```
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use nalgebra::DMatrix;
@@ -28,20 +29,22 @@ pub enum Instruments<'a> {
 }
 
 impl Instruments<'_> {
-    /// Columns `range` of B, (n·M) × as many.
-    pub(super) fn columns(
-        &self,
-        observation: &Observation,
+    /// Columns `range` of B, n·M numbers each.
+    pub(super) fn columns<'b>(
+        &'b self,
+        observation: &'b Observation,
         range: Range<usize>,
-    ) -> Result<DMatrix<f64>, EstimationError> {
-        let of = |matrix: &DMatrix<f64>| {
-            let rows = matrix.nrows();
-            DMatrix::from_vec(rows, range.len(), matrix.as_slice()[range.start * rows..range.end * rows].to_vec())
-        };
+    ) -> Result<Cow<'b, [f64]>, EstimationError> {
+        let (w, used) = (&observation.regressor, &observation.used);
+        let rows = w.nrows();
+        let of = |matrix: &'b DMatrix<f64>| &matrix.as_slice()[range.start * rows..range.end * rows];
         Ok(match self {
-            Self::Regressor => of(&observation.regressor),
-            Self::Weighted(weights) => (*weights).clone().precision(&of(&observation.regressor), &observation.used)?,
-            Self::Rows(rows) => of(rows),
+            Self::Regressor => Cow::Borrowed(of(w)),
+            Self::Weighted(weights) => {
+                let weighted: Vec<f64> = (*weights).clone().precision_of_columns(of(w), rows, used)?.data.into();
+                Cow::Owned(weighted)
+            }
+            Self::Rows(matrix) => Cow::Borrowed(of(matrix)),
         })
     }
 

@@ -38,15 +38,16 @@ fn lanes(run: usize, runs: usize) -> Range<usize> {
     run..if run + 1 == runs { MOST_LANES } else { run + 1 }
 }
 
-/// Whether all numbers are.
-fn all_finite(joints: &[Runs]) -> bool {
-    joints.iter().flatten().fold(true, |finite, x| finite & x.is_finite())
+/// Whether all numbers of some runs are.
+fn all_finite(joints: &[Runs], runs: usize) -> bool {
+    let parts = joints.iter().flat_map(|joint| joint.as_chunks::<8>().0.iter().take(runs.div_ceil(8)));
+    parts.fold(true, |finite, part| part.iter().fold(finite, |finite, x| finite & x.is_finite()))
 }
 
 /// Whether no joint of a run is faster than its limit.
-fn all_slow(qd: &[Runs], limits: &[f64]) -> bool {
+fn all_slow(qd: &[Runs], runs: usize, limits: &[f64]) -> bool {
     let slow = |(joint, limit): (&Runs, &f64)| joint.iter().fold(true, |slow, qd| slow & (qd.abs() <= *limit));
-    qd.iter().zip(limits).fold(true, |all, joint| all & slow(joint)) && all_finite(qd)
+    qd.iter().zip(limits).fold(true, |all, joint| all & slow(joint)) && all_finite(qd, runs)
 }
 
 impl CycleGroup {
@@ -122,7 +123,8 @@ impl CycleGroup {
 
     /// Ends every experiment whose plant is no longer at a finite state.
     pub fn check(&mut self, q: &[Runs], qd: &[Runs]) {
-        if all_finite(q) && all_finite(qd) {
+        let runs = self.members.len();
+        if all_finite(q, runs) && all_finite(qd, runs) {
             return;
         }
         for (run, member) in going(&mut self.members) {
@@ -149,7 +151,7 @@ fn begin_step(
     if let Some(command) = shared {
         loops.command(0..MOST_LANES, command);
     }
-    let calm = all_finite(q) && all_slow(qd, &members[0].cycle.runaway);
+    let calm = all_finite(q, runs) && all_slow(qd, runs, &members[0].cycle.runaway);
     for (run, Member { cycle, ending, due, .. }) in going(members) {
         match cycle.place.begin(&cycle.timing) {
             None => *ending = Some(cycle.end(Ending::Completed)),
@@ -165,13 +167,7 @@ fn begin_step(
         if shared.is_none() {
             loops.command(lanes(run, runs), cycle.place.command(&cycle.timing));
         }
-        let sensors = &mut cycle.joints.sensors;
-        if loops.has_position_noise() {
-            sensors.position_noise(|i, noise| loops.set_position_noise(lanes(run, runs), i, noise));
-        }
-        if *due {
-            sensors.current_noise(|i, noise| loops.set_current_noise(run, i, noise));
-        }
+        loops.draw_noise(run, &mut cycle.joints.sensors, *due);
     }
 }
 

@@ -8,7 +8,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::controller::{MotorPid, PidMemory};
 use super::joint_loop::JointLoop;
 use super::motors::Motors;
-use super::sensing::{Ammeter, Encoder};
+use super::sensing::{Ammeter, Encoder, Sensors};
 use crate::lanes::{Lane, MOST_LANES, Wide};
 use crate::model::EffortInterface;
 
@@ -46,6 +46,7 @@ struct JointRuns {
 pub(super) struct JointLoops {
     joints: Vec<JointRuns>,
     motors: Motors,
+    runs: usize,
     position_noise: bool,
     fresh: bool,
     pub(super) arch: Arch,
@@ -83,7 +84,14 @@ impl JointLoops {
         };
         let joints: Vec<JointRuns> = (0..encoders.len()).map(joint).collect();
         let position_noise = encoders.iter().any(|encoder| encoder.noise > 0.0);
-        Some(Self { joints, motors: first.motors.clone(), position_noise, fresh: true, arch: Arch::new() })
+        Some(Self {
+            joints,
+            motors: first.motors.clone(),
+            runs: loops.len(),
+            position_noise,
+            fresh: true,
+            arch: Arch::new(),
+        })
     }
 
     /// Commands these coordinates (n) on lanes of one run.
@@ -93,26 +101,27 @@ impl JointLoops {
         }
     }
 
-    /// Whether an encoder has noise, which is to be set before each step.
-    pub(super) fn has_position_noise(&self) -> bool {
-        self.position_noise
-    }
-
-    /// The noise of joint i's position on lanes of one run, rad (m).
-    pub(super) fn set_position_noise(&mut self, lanes: std::ops::Range<usize>, i: usize, noise: f64) {
-        self.joints[i].position_noise[lanes].fill(noise);
-    }
-
-    /// The noise of joint i's current on the lane of one run, A.
-    pub(super) fn set_current_noise(&mut self, run: usize, i: usize, noise: f64) {
-        self.joints[i].current_noise[run] = noise;
+    /// Draws the noise of the next step on the lane of one run: of positions (rad, m), and where a sample is `due` of currents (A).
+    pub(super) fn draw_noise(&mut self, run: usize, sensors: &mut Sensors, due: bool) {
+        let ([positions, currents], sign) = sensors.normals();
+        if self.position_noise {
+            for joint in self.joints.iter_mut().filter(|joint| joint.encoder.noise > 0.0) {
+                joint.position_noise[run] = joint.encoder.noise * sign * positions.draw();
+            }
+        }
+        if due {
+            for joint in self.joints.iter_mut().filter(|joint| joint.meter.noise > 0.0) {
+                joint.current_noise[run] = joint.meter.noise * (sign * currents.draw());
+            }
+        }
     }
 
     /// One servo step of all runs, as [`JointLoop::step`] and then [`JointLoop::sense`]. Coordinates and velocities of the joints in,
     /// efforts on them out, n each.
     pub(super) fn step(&mut self, q: &[Runs], qd: &[Runs], tau: &mut [Runs]) {
         let fresh = std::mem::take(&mut self.fresh);
-        self.arch.dispatch(Step { joints: &mut self.joints, motors: &self.motors, q, qd, tau, fresh });
+        let Self { joints, motors, runs, .. } = self;
+        self.arch.dispatch(Step { joints, motors, runs: *runs, q, qd, tau, fresh });
     }
 
     /// What the sensors of one run said at the last step, n each.
@@ -126,6 +135,7 @@ impl JointLoops {
 struct Step<'a> {
     joints: &'a mut [JointRuns],
     motors: &'a Motors,
+    runs: usize,
     q: &'a [Runs],
     qd: &'a [Runs],
     tau: &'a mut [Runs],
@@ -137,9 +147,9 @@ impl WithSimd for Step<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { joints, motors, q, qd, tau, fresh } = self;
+        let Self { joints, motors, runs, q, qd, tau, fresh } = self;
         for (i, (((joint, q), qd), tau)) in joints.iter_mut().zip(q).zip(qd).zip(tau).enumerate() {
-            joint.step(simd, motors, i, (q, qd), tau, fresh);
+            joint.step(simd, motors, (i, runs), (q, qd), tau, fresh);
         }
     }
 }
@@ -161,14 +171,14 @@ impl JointRuns {
         &mut self,
         simd: S,
         motors: &Motors,
-        i: usize,
+        (i, runs): (usize, usize),
         (q, qd): (&Runs, &Runs),
         tau: &mut Runs,
         fresh: bool,
     ) {
         let mut far = true;
         self.before = self.current;
-        for first in (0..MOST_LANES).step_by(S::F64_LANES) {
+        for first in (0..runs).step_by(S::F64_LANES) {
             let at = if self.encoder.noise > 0.0 {
                 load(simd, q, first) + load(simd, &self.position_noise, first)
             } else {
@@ -188,14 +198,14 @@ impl JointRuns {
         }
         if !far {
             // Of a run that has ended the plant may have no number left.
-            for run in (0..MOST_LANES).filter(|&run| qd[run].is_finite()) {
+            for run in (0..runs).filter(|&run| qd[run].is_finite()) {
                 self.current[run] = motors.held(i, qd[run], self.current[run]);
             }
         }
         if fresh {
             self.before = self.current;
         }
-        for first in (0..MOST_LANES).step_by(S::F64_LANES) {
+        for first in (0..runs).step_by(S::F64_LANES) {
             let current = load(simd, &self.current, first);
             store(tau, first, current.splat(self.per_ampere) * current);
             let mean = current.splat(0.5) * (load(simd, &self.before, first) + current);

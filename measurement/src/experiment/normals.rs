@@ -22,11 +22,13 @@ impl Normals {
 
     #[inline]
     pub(super) fn draw(&mut self) -> f64 {
-        if self.next >= TOGETHER {
+        let Some(&number) = self.drawn.get(self.next) else {
             self.draw_anew();
-        }
+            self.next = 1;
+            return self.drawn[0];
+        };
         self.next += 1;
-        self.drawn[self.next - 1]
+        number
     }
 
     #[inline(never)]
@@ -34,7 +36,6 @@ impl Normals {
         for number in &mut self.drawn {
             *number = StandardNormal.sample(&mut self.stream);
         }
-        self.next = 0;
     }
 }
 

@@ -252,11 +252,9 @@ impl Sensors {
         (sound && self.links.is_none() && self.volts.is_empty()).then_some((&self.encoders, &self.meters))
     }
 
-    /// The next noise of each position, rad (m), of encoders that have some.
-    pub(super) fn position_noise(&mut self, mut hand: impl FnMut(usize, f64)) {
-        for (i, encoder) in self.encoders.iter().enumerate().filter(|(_, encoder)| encoder.noise > 0.0) {
-            hand(i, encoder.noise * self.sign * self.position_normals.draw());
-        }
+    /// What the noise of positions and of currents is drawn from, and its sign.
+    pub(super) fn normals(&mut self) -> ([&mut Normals; 2], f64) {
+        ([&mut self.position_normals, &mut self.current_normals], self.sign)
     }
 
     /// The next noise of each current, A, of ammeters that have some.

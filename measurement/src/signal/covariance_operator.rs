@@ -32,27 +32,32 @@ impl CovarianceOperator {
 
     /// `C W`, (n·N) × b, sample-major.
     pub fn apply(&self, w: &DMatrix<f64>) -> DMatrix<f64> {
-        let (n, rows) = (self.lags[0].nrows(), w.nrows());
-        let count = rows / n;
-        let mut out = DMatrix::zeros(rows, w.ncols());
+        self.apply_to_columns(w.as_slice(), w.nrows())
+    }
+
+    /// The same for the columns of a matrix of so many rows.
+    pub fn apply_to_columns(&self, columns: &[f64], rows: usize) -> DMatrix<f64> {
+        let n = self.lags[0].nrows();
+        let (count, columns_of) = (rows / n, columns.chunks_exact(rows.max(1)));
+        let mut out = DMatrix::zeros(rows, columns_of.len());
         if let Some(spectrum) = &self.spectrum {
-            apply_by_spectrum(spectrum, n, w, &mut out);
+            apply_by_spectrum(spectrum, n, columns, &mut out);
             return out;
         }
         if let [of_sample] = &self.lags[..] {
             // Samples are columns in memory.
-            add_product(of_sample.as_slice(), w.as_slice(), n, out.as_mut_slice());
+            add_product(of_sample.as_slice(), columns, n, out.as_mut_slice());
             return out;
         }
         // One series per joint, so that the inner loop runs over consecutive numbers.
         let (mut from, mut to) = (vec![vec![0.0; count]; n], vec![vec![0.0; count]; n]);
-        for column in 0..w.ncols() {
-            for (k, sample) in w.column(column).as_slice().chunks_exact(n).enumerate() {
+        for (of_column, mut out) in columns_of.zip(out.column_iter_mut()) {
+            for (k, sample) in of_column.chunks_exact(n).enumerate() {
                 from.iter_mut().zip(sample).for_each(|(series, value)| series[k] = *value);
             }
             to.iter_mut().for_each(|series| series.fill(0.0));
             self.add_lags(&from, &mut to);
-            for (k, sample) in out.column_mut(column).as_mut_slice().chunks_exact_mut(n).enumerate() {
+            for (k, sample) in out.as_mut_slice().chunks_exact_mut(n).enumerate() {
                 to.iter().zip(sample).for_each(|(series, value)| *value = series[k]);
             }
         }
@@ -100,14 +105,15 @@ impl CovarianceOperator {
 }
 
 /// Two columns as real and imaginary part of one.
-fn apply_by_spectrum(spectrum: &NoiseSpectrum, n: usize, w: &DMatrix<f64>, out: &mut DMatrix<f64>) {
-    let rows = w.nrows();
+fn apply_by_spectrum(spectrum: &NoiseSpectrum, n: usize, columns: &[f64], out: &mut DMatrix<f64>) {
+    let rows = out.nrows();
+    let entry = |row: usize, column: usize| columns[column * rows + row];
     let mut from = vec![vec![Complex::new(0.0, 0.0); rows / n]; n];
     let mut to = from.clone();
-    for first in (0..w.ncols()).step_by(2) {
-        let second = (first + 1 < w.ncols()).then_some(first + 1);
+    for first in (0..out.ncols()).step_by(2) {
+        let second = (first + 1 < out.ncols()).then_some(first + 1);
         for row in 0..rows {
-            from[row % n][row / n] = Complex::new(w[(row, first)], second.map_or(0.0, |second| w[(row, second)]));
+            from[row % n][row / n] = Complex::new(entry(row, first), second.map_or(0.0, |second| entry(row, second)));
         }
         spectrum.apply(&from, &mut to);
         for row in 0..rows {

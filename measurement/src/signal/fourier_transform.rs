@@ -4,9 +4,29 @@
 //! X[h] = Σ_k x[k] exp(−2πi h k / N)        x[k] = 1/N Σ_h X[h] exp(2πi h k / N)
 //! ```
 //! Mixed-radix decimation in time (Cooley and Tukey 1965): `O(N Σ p)` over the factors p of N, so a period of
-//! 10,000 samples is fast and one of 10,007 still right. Scalar, fixed order of sums: the same bits on every machine.
+//! 10,000 samples is fast and one of 10,007 still right. The order of sums is fixed: the same bits on every machine, and of a signal alone and
+//! beside others.
 
 use nalgebra::Complex;
+use pulp::{Arch, Simd, WithSimd};
+
+use super::butterfly::{Level, Numbers, Pair};
+use crate::lanes::Wide;
+
+/// Signals that are transformed side by side.
+pub(super) const TOGETHER: usize = 8;
+
+/// A complex number of each of [`TOGETHER`] signals.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Line {
+    pub(super) re: [f64; TOGETHER],
+    pub(super) im: [f64; TOGETHER],
+}
+
+impl Line {
+    pub(super) const ZERO: Self = Self { re: [0.0; TOGETHER], im: [0.0; TOGETHER] };
+}
 
 /// The transform for one length N; keeps the roots of unity.
 ///
@@ -19,20 +39,10 @@ use nalgebra::Complex;
 /// ```
 #[derive(Clone, Debug)]
 pub struct FourierTransform {
-    len: usize,
     /// From the whole signal to single samples.
     levels: Vec<Level>,
-}
-
-/// How p transforms of m samples each become one of p m.
-#[derive(Clone, Debug)]
-struct Level {
-    /// p.
-    factor: usize,
-    /// `exp(−2πi r k / p m)` for r = 1 … p − 1, k by k, in the order in which they are needed.
-    turns: Vec<Complex<f64>>,
-    /// `exp(−2πi s / p)`.
-    roots: Vec<Complex<f64>>,
+    /// Which sample comes at which place, so that those of one part of the signal follow each other.
+    order: Vec<usize>,
 }
 
 impl FourierTransform {
@@ -51,17 +61,24 @@ impl FourierTransform {
             let roots = (0..factor).map(|s| root(s * m * own)).collect();
             Level { factor, turns, roots }
         };
-        Self { len, levels: radices(len).into_iter().map(level).collect() }
+        let levels: Vec<Level> = radices(len).into_iter().map(level).collect();
+        let mut order = vec![0; len.min(1)];
+        for level in &levels {
+            // Sample k of part r is sample k p + r; parts of parts so on.
+            let stride = order.len();
+            order = order.iter().flat_map(|&k| (0..level.factor).map(move |r| k + r * stride)).collect();
+        }
+        Self { levels, order }
     }
 
     /// Number of samples N.
     pub fn len(&self) -> usize {
-        self.len
+        self.order.len()
     }
 
     /// Whether the transform is of no samples at all.
     pub fn is_empty(&self) -> bool {
-        self.len == 0
+        self.order.is_empty()
     }
 
     /// The spectrum X (N lines) of a real signal.
@@ -98,113 +115,91 @@ impl FourierTransform {
     /// If the signal has another length than the transform.
     pub fn forward(&self, x: &[Complex<f64>]) -> Vec<Complex<f64>> {
         assert_eq!(x.len(), self.len(), "one value per sample of the transform");
-        let mut out = vec![Complex::new(0.0, 0.0); x.len()];
-        let widest = self.levels.iter().map(|level| level.factor).max().unwrap_or(1);
-        let mut scratch = vec![Complex::new(0.0, 0.0); widest];
-        transform(x, 1, &self.levels, &mut out, &mut scratch);
+        let mut out: Vec<Complex<f64>> = self.order.iter().map(|&k| x[k]).collect();
+        self.transform(&mut Alone(&mut out), 0.0);
         out
     }
-}
 
-/// `out` becomes the transform of the n = `out.len()` values `x[0], x[stride], …`, where n is the product of the levels' factors.
-fn transform(
-    x: &[Complex<f64>],
-    stride: usize,
-    levels: &[Level],
-    out: &mut [Complex<f64>],
-    scratch: &mut [Complex<f64>],
-) {
-    let Some((level, rest)) = levels.split_first() else {
-        out.copy_from_slice(&x[..out.len()]);
-        return;
-    };
-    let p = level.factor;
-    let m = out.len() / p;
-    if m == 1 {
-        for (out, &x) in out.iter_mut().zip(x.iter().step_by(stride)) {
-            *out = x;
-        }
-    } else {
-        for (r, out) in out.chunks_exact_mut(m).enumerate() {
-            transform(&x[r * stride..], stride * p, rest, out, scratch);
-        }
+    /// The spectra X (N lines) of the first `count` of several complex signals, whose sample k is `sample(k)`.
+    pub(super) fn forward_together(&self, count: usize, sample: impl Fn(usize) -> Line) -> Vec<Line> {
+        let mut lines: Vec<Line> = self.order.iter().map(|&k| sample(k)).collect();
+        Arch::new().dispatch(Together { transform: self, count, lines: &mut lines });
+        lines
     }
-    match p {
-        2 => level.combine(out, &mut [Complex::ZERO; 2]),
-        3 => level.combine(out, &mut [Complex::ZERO; 3]),
-        4 => level.combine_four(out),
-        5 => level.combine(out, &mut [Complex::ZERO; 5]),
-        _ => level.combine(out, &mut scratch[..p]),
-    }
-}
 
-impl Level {
-    /// Inlined, with as many parts as the factor, so that a known number of them is unrolled.
+    /// Transforms numbers in order. What a part needs is near, so that it is still in a cache.
     #[inline(always)]
-    fn combine(&self, out: &mut [Complex<f64>], parts: &mut [Complex<f64>]) {
-        let p = parts.len();
-        let m = out.len() / p;
-        for (k, turns) in self.turns.chunks_exact(p - 1).enumerate() {
-            parts[0] = out[k];
-            for r in 1..p {
-                parts[r] = out[r * m + k] * turns[r - 1];
-            }
-            self.sums(parts, |s, sum| out[s * m + k] = sum);
-        }
-    }
-
-    /// The transform of two values or an odd number of them.
-    ///
-    /// Roots w and w̄ of a pair share their products: `a w + b w̄ = Re w (a + b) + i Im w (a − b)`.
-    #[inline(always)]
-    fn sums(&self, parts: &mut [Complex<f64>], mut put: impl FnMut(usize, Complex<f64>)) {
-        let (p, half) = (parts.len(), parts.len() / 2);
-        if p == 2 {
-            put(0, parts[0] + parts[1]);
-            put(1, parts[0] - parts[1]);
-            return;
-        }
-        let roots = &self.roots[..p];
-        let mut all = parts[0];
-        for r in 1..=half {
-            let (a, b) = (parts[r], parts[p - r]);
-            (parts[r], parts[p - r]) = (a + b, a - b);
-            all += parts[r];
-        }
-        put(0, all);
-        for s in 1..=half {
-            let (mut even, mut odd, mut turn) = (parts[0], Complex::<f64>::ZERO, 0);
-            for r in 1..=half {
-                turn += s;
-                if turn >= p {
-                    turn -= p;
+    fn transform<V: crate::lanes::Lane>(&self, numbers: &mut impl Numbers<V>, zero: V) {
+        let widest = self.levels.iter().map(|level| level.factor).max().unwrap_or(1);
+        let mut parts = vec![Pair { re: zero, im: zero }; widest];
+        let smallest = self.levels.last().map_or(1, |level| level.factor);
+        for end in (smallest..=self.len()).step_by(smallest) {
+            let mut size = 1;
+            for level in self.levels.iter().rev() {
+                size *= level.factor;
+                if !end.is_multiple_of(size) {
+                    break;
                 }
-                let root = roots[turn];
-                even += parts[r] * root.re;
-                odd += parts[p - r] * root.im;
+                level.combine(numbers, end - size, &mut parts);
             }
-            let odd = Complex::new(-odd.im, odd.re);
-            put(s, even + odd);
-            put(p - s, even - odd);
         }
     }
+}
 
-    /// Four, whose roots are ±1 and ±i.
-    fn combine_four(&self, out: &mut [Complex<f64>]) {
-        let m = out.len() / 4;
-        let (first, rest) = out.split_at_mut(m);
-        let (second, rest) = rest.split_at_mut(m);
-        let (third, fourth) = rest.split_at_mut(m);
-        let (second, third, fourth) = (&mut second[..m], &mut third[..m], &mut fourth[..m]);
-        for (k, turns) in self.turns.as_chunks::<3>().0[..m].iter().enumerate() {
-            let (x, y, z) = (second[k] * turns[0], third[k] * turns[1], fourth[k] * turns[2]);
-            let (a, b) = (first[k] + y, first[k] - y);
-            let (c, d) = (x + z, x - z);
-            let d = Complex::new(d.im, -d.re);
-            first[k] = a + c;
-            second[k] = b + d;
-            third[k] = a - c;
-            fourth[k] = b - d;
+/// One signal.
+struct Alone<'a>(&'a mut [Complex<f64>]);
+
+impl Numbers<f64> for Alone<'_> {
+    #[inline(always)]
+    fn get(&self, at: usize) -> Pair<f64> {
+        Pair { re: self.0[at].re, im: self.0[at].im }
+    }
+
+    #[inline(always)]
+    fn put(&mut self, at: usize, Pair { re, im }: Pair<f64>) {
+        self.0[at] = Complex::new(re, im);
+    }
+}
+
+/// Several signals.
+struct Together<'a> {
+    transform: &'a FourierTransform,
+    count: usize,
+    lines: &'a mut [Line],
+}
+
+/// As many of several signals as the processor has lanes.
+struct Lanes<'a, S> {
+    simd: S,
+    lines: &'a mut [Line],
+    vector: usize,
+}
+
+impl<S: Simd> Numbers<Wide<S>> for Lanes<'_, S> {
+    #[inline(always)]
+    fn get(&self, at: usize) -> Pair<Wide<S>> {
+        let line = &self.lines[at];
+        let [re, im] = [&line.re, &line.im].map(|x| Wide::new(self.simd, S::as_simd_f64s(x).0[self.vector]));
+        Pair { re, im }
+    }
+
+    #[inline(always)]
+    fn put(&mut self, at: usize, Pair { re, im }: Pair<Wide<S>>) {
+        let line = &mut self.lines[at];
+        S::as_mut_simd_f64s(&mut line.re).0[self.vector] = re.x;
+        S::as_mut_simd_f64s(&mut line.im).0[self.vector] = im.x;
+    }
+}
+
+impl WithSimd for Together<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { transform, count, lines } = self;
+        for vector in 0..count.div_ceil(S::F64_LANES) {
+            let zero = Wide::new(simd, simd.splat_f64s(0.0));
+            transform.transform(&mut Lanes { simd, lines: &mut *lines, vector }, zero);
         }
     }
 }

@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use nalgebra::Complex;
 
-use super::fourier_transform::FourierTransform;
+use super::fourier_transform::{FourierTransform, Line, TOGETHER};
 use crate::dynamics::States;
 
 /// Which harmonics of the measured positions are kept.
@@ -67,9 +67,31 @@ impl HarmonicSeries {
         [x, y].map(|spectrum| Self::of_spectrum(&spectrum, period_s))
     }
 
+    /// [`Self::new`] of each column of a table `columns` wide.
+    pub(super) fn of_columns(transform: &FourierTransform, rows: &[f64], columns: usize, period_s: f64) -> Vec<Self> {
+        let mut all = Vec::with_capacity(columns);
+        for first in (0..columns).step_by(TOGETHER) {
+            let count = TOGETHER.min(columns - first);
+            let spectra = transform.forward_together(count, |k| {
+                let mut line = Line::ZERO;
+                line.re[..count].copy_from_slice(&rows[k * columns + first..][..count]);
+                line
+            });
+            let of = |i: usize| {
+                Self::of_lines(transform.len(), period_s, |h| Complex::new(spectra[h].re[i], spectra[h].im[i]))
+            };
+            all.extend((0..count).map(of));
+        }
+        all
+    }
+
     fn of_spectrum(spectrum: &[Complex<f64>], period_s: f64) -> Self {
-        let n = spectrum.len();
-        let lines = (0..n.div_ceil(2)).map(|h| spectrum[h] * ((if h == 0 { 1.0 } else { 2.0 }) / n as f64)).collect();
+        Self::of_lines(spectrum.len(), period_s, |h| spectrum[h])
+    }
+
+    /// Of a spectrum of n lines.
+    fn of_lines(n: usize, period_s: f64, line: impl Fn(usize) -> Complex<f64>) -> Self {
+        let lines = (0..n.div_ceil(2)).map(|h| line(h) * ((if h == 0 { 1.0 } else { 2.0 }) / n as f64)).collect();
         Self { period_s, lines }
     }
 
@@ -81,8 +103,13 @@ impl HarmonicSeries {
     /// Returns this series without what is above harmonic `h`.
     #[must_use]
     pub fn up_to(mut self, h: usize) -> Self {
-        self.lines.truncate(h + 1);
+        self.keep_up_to(h);
         self
+    }
+
+    /// Leaves out what is above harmonic `h`.
+    pub(super) fn keep_up_to(&mut self, h: usize) {
+        self.lines.truncate(h + 1);
     }
 
     /// The last harmonic at which the signal still outweighs white noise of variance `variance` per sample, for N
@@ -154,29 +181,78 @@ impl HarmonicSeries {
     /// If the transform has not more than twice as many samples as the series has harmonics.
     pub fn samples(&self, transform: &FourierTransform) -> States {
         let n = transform.len();
-        assert!(2 * self.highest() < n, "{n} samples for {} harmonics", self.highest());
-        let w = std::f64::consts::TAU / self.period_s;
-        // conj(Σ_h X_h exp(−2πi hk/N)) runs the transform backwards. Two real signals u and v share one pass: line h
-        // of u + i v is (U_h + i V_h)/2, line N−h is conj(U_h − i V_h)/2.
-        let backward = |u: &dyn Fn(usize) -> Complex<f64>, v: &dyn Fn(usize) -> Complex<f64>| -> (Vec<f64>, Vec<f64>) {
-            let i = Complex::new(0.0, 1.0);
-            let mut lines = vec![Complex::new(0.0, 0.0); n];
-            for h in 0..self.lines.len() {
-                let (u, v) = (u(h), i * v(h));
-                if h == 0 {
-                    lines[0] = (u + v).conj();
-                } else {
-                    lines[h] = ((u + v) * 0.5).conj();
-                    lines[n - h] = (u - v) * 0.5;
-                }
-            }
+        let backward = |of: Derivatives| -> (Vec<f64>, Vec<f64>) {
+            let lines: Vec<Complex<f64>> = (0..n).map(|k| self.backward_line(k, n, of)).collect();
             transform.forward(&lines).into_iter().map(|z| (z.re, -z.im)).unzip()
         };
-        let velocity = |h: usize| self.lines[h] * Complex::new(0.0, w * h as f64);
-        let acceleration = |h: usize| self.lines[h] * -(w * h as f64).powi(2);
-        let (q, qd) = backward(&|h| self.lines[h], &velocity);
-        States { dof: 1, q, qd, qdd: backward(&acceleration, &|_| Complex::new(0.0, 0.0)).0 }
+        let (q, qd) = backward(Derivatives::ZeroAndFirst);
+        States { dof: 1, q, qd, qdd: backward(Derivatives::Second).0 }
     }
+
+    /// [`Self::samples`] of all joints of an arm, with the same bits.
+    ///
+    /// # Panics
+    /// As [`Self::samples`].
+    pub(super) fn samples_of_joints(joints: &[Self], transform: &FourierTransform) -> States {
+        let (n, dof) = (transform.len(), joints.len());
+        let mut states = States::with_len(dof, n);
+        for (part, joints) in joints.chunks(TOGETHER).enumerate() {
+            let most = joints.iter().map(Self::highest).max().unwrap_or(0);
+            let backward = |of: Derivatives| {
+                transform.forward_together(joints.len(), |k| {
+                    let mut line = Line::ZERO;
+                    if k.min(n - k) <= most {
+                        for (i, joint) in joints.iter().enumerate() {
+                            let number = joint.backward_line(k, n, of);
+                            (line.re[i], line.im[i]) = (number.re, number.im);
+                        }
+                    }
+                    line
+                })
+            };
+            let put = |rows: &mut [f64], lines: &[Line], values: fn(&Line) -> &[f64; TOGETHER], sign: f64| {
+                for (row, line) in rows.chunks_exact_mut(dof).zip(lines) {
+                    let row = &mut row[part * TOGETHER..][..joints.len()];
+                    row.iter_mut().zip(values(line)).for_each(|(to, value)| *to = sign * value);
+                }
+            };
+            let lines = backward(Derivatives::ZeroAndFirst);
+            put(&mut states.q, &lines, |line| &line.re, 1.0);
+            put(&mut states.qd, &lines, |line| &line.im, -1.0);
+            put(&mut states.qdd, &backward(Derivatives::Second), |line| &line.re, 1.0);
+        }
+        states
+    }
+
+    /// Line k of n that a forward transform turns into samples, the real part into those of one signal u, the imaginary part into those of another
+    /// with the sign changed, −v.
+    ///
+    /// `conj(Σ_h X_h exp(−2πi hk/N))` runs a transform backwards: line h of `u + i v` is `(U_h + i V_h)/2`, line N−h is `conj(U_h − i V_h)/2`.
+    fn backward_line(&self, k: usize, n: usize, of: Derivatives) -> Complex<f64> {
+        assert!(2 * self.highest() < n, "{n} samples for {} harmonics", self.highest());
+        let h = k.min(n - k);
+        let Some(&line) = self.lines.get(h) else { return Complex::ZERO };
+        let w = std::f64::consts::TAU / self.period_s * h as f64;
+        let (u, v) = match of {
+            Derivatives::ZeroAndFirst => (line, line * Complex::new(0.0, w)),
+            Derivatives::Second => (line * -w.powi(2), Complex::ZERO),
+        };
+        let v = Complex::new(0.0, 1.0) * v;
+        if k == 0 {
+            (u + v).conj()
+        } else if k == h {
+            ((u + v) * 0.5).conj()
+        } else {
+            (u - v) * 0.5
+        }
+    }
+}
+
+/// Which derivatives by time two signals are.
+#[derive(Clone, Copy, Debug)]
+enum Derivatives {
+    ZeroAndFirst,
+    Second,
 }
 
 #[cfg(test)]
@@ -207,6 +283,26 @@ mod tests {
             for (order, bound) in [1e-14, 1e-12, 1e-10].into_iter().enumerate() {
                 assert!((sampled[order] - expected[order]).abs() < bound, "derivative {order} at {t}");
             }
+        }
+    }
+
+    #[test]
+    fn identity_joints_together_have_the_bits_that_they_have_alone() {
+        // Nine joints fill no number of vectors, and each keeps a number of harmonics of its own.
+        let (n, dof, period) = (60, 9, 3.0);
+        let transform = FourierTransform::new(n);
+        let rows: Vec<f64> = (0..dof as u64).flat_map(|run| white(n, 1.0, run)).collect();
+        let found = HarmonicSeries::of_columns(&transform, &rows, dof, period);
+        let cut: Vec<HarmonicSeries> = found.iter().enumerate().map(|(i, joint)| joint.clone().up_to(3 * i)).collect();
+        let together = HarmonicSeries::samples_of_joints(&cut, &transform);
+        for (i, (series, cut)) in found.iter().zip(cut).enumerate() {
+            let column = |rows: &[f64]| -> Vec<f64> { rows.iter().skip(i).step_by(dof).copied().collect() };
+            assert_eq!(*series, HarmonicSeries::new(&transform, &column(&rows), period));
+            let alone = cut.samples(&transform);
+            assert_eq!(
+                [&together.q, &together.qd, &together.qdd].map(|rows| column(rows)),
+                [alone.q, alone.qd, alone.qdd]
+            );
         }
     }
 

@@ -17,6 +17,7 @@
 //! Schutter, H. Van Brussel, *Optimal robot excitation and identification*, IEEE T-RA 13(5), 1997, eqs. 19-22.
 
 mod aperiodic;
+mod butterfly;
 mod butterworth;
 mod calm;
 mod columns;

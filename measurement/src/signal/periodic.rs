@@ -183,10 +183,9 @@ fn fourier_states(
 ) -> (States, Vec<f64>, Vec<f64>) {
     let n = average.dof;
     let commanded = (highest_hz * average.period_s).round() as usize;
-    let mut states = States::with_len(n, average.len());
+    let mut joints = HarmonicSeries::of_columns(transform, &average.q, n, average.period_s);
     let (mut bands, mut floors) = (Vec::with_capacity(n), Vec::with_capacity(n));
-    for i in 0..n {
-        let series = HarmonicSeries::new(transform, &column(&average.q, n, i), average.period_s);
+    for (i, series) in joints.iter_mut().enumerate() {
         let variance = position_floor(average, robot, i);
         floors.push(series.floor(variance, average.len()));
         let last = match bandwidth {
@@ -196,10 +195,9 @@ fn fourier_states(
         };
         let last = last.max(commanded).min(series.highest());
         bands.push(last as f64 / average.period_s);
-        let own = series.up_to(last).samples(transform);
-        put_motion(&mut states, i, own.arrays());
+        series.keep_up_to(last);
     }
-    (states, bands, floors)
+    (HarmonicSeries::samples_of_joints(&joints, transform), bands, floors)
 }
 
 /// Variance of one averaged sample of position: scatter over P, and what of the encoder's rounding repeats with the

@@ -27,6 +27,15 @@ pub fn torque_map(robot: &Robot, effort: EffortInterface) -> DMatrix<f64> {
 
 /// `rows · mapᵀ` for a row-major table n wide: the map applied to every sample.
 pub(super) fn map_rows(rows: &[f64], map: &DMatrix<f64>) -> Vec<f64> {
+    let n = map.nrows();
+    let is_diagonal = (0..n).all(|j| (0..n).all(|i| i == j || map[(i, j)] == 0.0));
+    if is_diagonal {
+        let (factors, mut out) = (map.diagonal(), rows.to_vec());
+        for row in out.chunks_exact_mut(n) {
+            row.iter_mut().zip(factors.as_slice()).for_each(|(x, factor)| *x *= factor);
+        }
+        return out;
+    }
     let mut out = vec![0.0; rows.len()];
     // Samples are columns in memory.
     add_product(map.as_slice(), rows, map.nrows(), &mut out);

@@ -76,11 +76,24 @@ impl BlockWhitening {
     /// # Errors
     /// As [`Self::whiten`].
     pub fn precision(&mut self, w: &DMatrix<f64>, used: &[bool]) -> Result<DMatrix<f64>, LeastSquaresError> {
-        let (size, patterns) = (self.covariance.nrows(), self.patterns(w, used)?);
+        self.precision_of_columns(w.as_slice(), w.nrows(), used)
+    }
+
+    /// The same for the columns of a matrix of so many rows.
+    ///
+    /// # Errors
+    /// As [`Self::whiten`].
+    pub fn precision_of_columns(
+        &mut self,
+        columns: &[f64],
+        rows: usize,
+        used: &[bool],
+    ) -> Result<DMatrix<f64>, LeastSquaresError> {
+        let (size, patterns) = (self.covariance.nrows(), self.patterns(rows, used)?);
         let inverses: Vec<DMatrix<f64>> = self.factors.iter().map(|(_, factor)| factor.inverse()).collect();
-        let mut out = DMatrix::zeros(w.nrows(), w.ncols());
-        for (mut to, from) in out.column_iter_mut().zip(w.column_iter()) {
-            let (to, from, mut first) = (to.as_mut_slice(), from.as_slice(), 0);
+        let mut out = DMatrix::zeros(rows, columns.len().checked_div(rows).unwrap_or(0));
+        for (mut to, from) in out.column_iter_mut().zip(columns.chunks_exact(rows.max(1))) {
+            let (to, mut first) = (to.as_mut_slice(), 0);
             // Blocks are columns in memory, and neighbours mostly have the same rows.
             for alike in patterns.chunk_by(|a, b| a == b) {
                 let rows = first..first + alike.len() * size;
@@ -98,7 +111,7 @@ impl BlockWhitening {
         used: &[bool],
         solve: impl Fn(&[f64], &mut [f64]),
     ) -> Result<DMatrix<f64>, LeastSquaresError> {
-        let (size, patterns) = (self.covariance.nrows(), self.patterns(w, used)?);
+        let (size, patterns) = (self.covariance.nrows(), self.patterns(w.nrows(), used)?);
         let rows = |(_, factor): &(Vec<bool>, Cholesky<f64, Dyn>)| -> Vec<f64> {
             (0..size).flat_map(|i| (0..=i).map(move |j| factor.l_dirty()[(i, j)])).collect()
         };
@@ -114,8 +127,8 @@ impl BlockWhitening {
     }
 
     /// Where the factor of each block of rows is.
-    fn patterns(&mut self, w: &DMatrix<f64>, used: &[bool]) -> Result<Vec<usize>, LeastSquaresError> {
-        let (size, rows) = (self.covariance.nrows(), w.nrows());
+    fn patterns(&mut self, rows: usize, used: &[bool]) -> Result<Vec<usize>, LeastSquaresError> {
+        let size = self.covariance.nrows();
         if !rows.is_multiple_of(size) || used.len() != rows {
             return Err(LeastSquaresError::Blocks { rows, size });
         }

@@ -216,14 +216,18 @@ impl LeastSquares {
 /// Inverse of an upper triangular matrix without zeros on its diagonal.
 fn inverse_upper(r: &DMatrix<f64>) -> DMatrix<f64> {
     let b = r.ncols();
-    let mut inverse = DMatrix::zeros(b, b);
-    for j in 0..b {
-        let mut unit = DVector::zeros(j + 1);
-        unit[j] = 1.0;
-        let column = solve_upper(&r.view((0, 0), (j + 1, j + 1)).into_owned(), &unit);
-        inverse.view_mut((0, j), (j + 1, 1)).copy_from(&column);
+    // Columns are rows of the inverse, so that all of a row are found together.
+    let mut rows = DMatrix::identity(b, b);
+    for i in (0..b).rev() {
+        let (before, own) = rows.as_mut_slice()[..].split_at_mut((i + 1) * b);
+        let row = &mut before[i * b..];
+        for (k, below) in (i + 1..b).zip(own.chunks_exact(b)) {
+            let size = r[(i, k)];
+            row[k..].iter_mut().zip(&below[k..]).for_each(|(entry, below)| *entry -= size * below);
+        }
+        row[i..].iter_mut().for_each(|entry| *entry /= r[(i, i)]);
     }
-    inverse
+    rows.transpose()
 }
 
 #[cfg(test)]

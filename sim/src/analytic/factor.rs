@@ -78,10 +78,14 @@ impl<const N: usize, V: Lane> Factor<N, V> {
         }
     }
 
-    /// `H⁻¹ = Wᵀ D⁻¹ W` with `W = U⁻¹`, a triangle as U is.
+    /// `H⁻¹ = Wᵀ D⁻¹ W` into `w`, with `W = U⁻¹`, a triangle as U is.
     #[inline(always)]
-    pub(crate) fn inverse(&self) -> [[V; N]; N] {
-        let mut w = self.upper;
+    pub(crate) fn inverse(&self, w: &mut [[V; N]; N]) {
+        for i in 0..N {
+            for j in i + 1..N {
+                w[i][j] = self.upper[i][j];
+            }
+        }
         for j in 1..N {
             for i in (0..j).rev() {
                 let mut sum = self.upper[i][j];
@@ -102,7 +106,6 @@ impl<const N: usize, V: Lane> Factor<N, V> {
                 (w[i][j], w[j][i]) = (sum, sum);
             }
         }
-        w
     }
 
     /// `H⁻¹ x`.

@@ -147,13 +147,13 @@ impl<const N: usize> Forces<N> {
         out
     }
 
-    /// Torque that the terms take, N·m.
+    /// Torque that the terms take, N·m, into `out`.
     #[inline(always)]
-    pub(crate) fn torque<V: Lane>(&self, q: &[V; N], v: &[V; N]) -> [V; N] {
+    pub(crate) fn torque<V: Lane>(&self, q: &[V; N], v: &[V; N], out: &mut [V; N]) {
         let zero = v[0].splat(0.0);
-        let mut out = [zero; N];
+        out.fill(zero);
         for bank in &self.banks[JOINTS] {
-            bank.add_torques(q, v, &mut out);
+            bank.add_torques(q, v, out);
         }
         if let Some(coupling) = &self.coupling {
             let (positions, speeds) = (coupling.along(q), coupling.along(v));
@@ -167,7 +167,6 @@ impl<const N: usize> Forces<N> {
                 }
             }
         }
-        out
     }
 
     /// Torque that the terms take, with its derivatives by the coordinates and velocities. A term takes what its own coordinate and

@@ -33,14 +33,12 @@ impl<const N: usize, V: Lane> Rigid<N, V> {
         Rigid { bias: self.bias.map(of), factor: self.factor.map(of) }
     }
 
-    /// Efforts `tau` less the bias.
+    /// Efforts `tau` less the bias, into `out`.
     #[inline(always)]
-    pub(crate) fn free(&self, tau: &[V; N]) -> [V; N] {
-        let mut out = *tau;
+    pub(crate) fn free(&self, tau: &[V; N], out: &mut [V; N]) {
         for i in 0..N {
             out[i] = tau[i] - self.bias[i];
         }
-        out
     }
 
     /// Accelerations under efforts `tau`, of which friction takes `taken`.
@@ -62,6 +60,8 @@ pub(crate) struct Room<const N: usize, V> {
     wrenches: [Wrench<V>; N],
     columns: [Wrench<V>; N],
     pub(crate) rigid: Rigid<N, V>,
+    /// Efforts that friction takes.
+    pub(crate) taken: [V; N],
 }
 
 impl<const N: usize, V: Lane> Room<N, V> {
@@ -70,7 +70,7 @@ impl<const N: usize, V: Lane> Room<N, V> {
     pub(crate) fn nothing(zero: V) -> Self {
         let none = ([zero; 3], [zero; 3]);
         let poses = [Pose::nowhere(zero); N];
-        Self { poses, wrenches: [none; N], columns: [none; N], rigid: Rigid::nothing(zero) }
+        Self { poses, wrenches: [none; N], columns: [none; N], rigid: Rigid::nothing(zero), taken: [zero; N] }
     }
 }
 
@@ -84,8 +84,8 @@ impl<const N: usize> Chain<N> {
         tau: &[f64; N],
         room: &mut Room<N, f64>,
     ) -> [f64; N] {
-        let taken = self.parts(q, v, room, true);
-        room.rigid.accelerations(tau, &taken)
+        self.parts(q, v, room, true);
+        room.rigid.accelerations(tau, &room.taken)
     }
 
     /// The rigid part at `q` and `v`.
@@ -96,21 +96,21 @@ impl<const N: usize> Chain<N> {
         room.rigid
     }
 
-    /// Efforts that friction takes at `q` and `v`, or zeros where it is not asked for; the rigid part there is then in `room`.
+    /// The rigid part at `q` and `v`, and what friction takes there, where that is asked for: both are then in `room`, since a call would copy them.
     #[inline(always)]
-    pub(crate) fn parts<V: Sines>(&self, q: &[V; N], v: &[V; N], room: &mut Room<N, V>, friction: bool) -> [V; N] {
-        self.sweep::<V, true>(q, v, room, friction)
+    pub(crate) fn parts<V: Sines>(&self, q: &[V; N], v: &[V; N], room: &mut Room<N, V>, friction: bool) {
+        self.sweep::<V, true>(q, v, room, friction);
     }
 
-    /// The rigid part, and friction or zeros.
+    /// The rigid part, and friction where it is asked for.
     #[inline(always)]
     fn sweep<V: Sines, const FRICTION: bool>(
         &self,
         q: &[V; N],
         v: &[V; N],
-        Room { poses, wrenches, columns, rigid: Rigid { bias, factor } }: &mut Room<N, V>,
+        Room { poses, wrenches, columns, rigid: Rigid { bias, factor }, taken }: &mut Room<N, V>,
         friction: bool,
-    ) -> [V; N] {
+    ) {
         let one = q[0];
         let zero = one.splat(0.0);
         let links = &self.links;
@@ -127,7 +127,9 @@ impl<const N: usize> Chain<N> {
             wrenches[i] = outward.next(&links[i], &poses[i], v[i], None);
         }
         // Here, between the sweeps, it waits for neither.
-        let taken = if FRICTION && friction { self.forces.torque(q, v) } else { [zero; N] };
+        if FRICTION && friction {
+            self.forces.torque(q, v, taken);
+        }
         let mut row = [zero; N];
         let mut inward = Inward::begin(one, &links[N - 1]);
         for i in (0..N).rev() {
@@ -148,6 +150,5 @@ impl<const N: usize> Chain<N> {
             }
         }
         bias[0] = bias[0] + effort;
-        taken
     }
 }

@@ -37,7 +37,7 @@ pub(crate) struct State<const N: usize, V> {
 }
 
 /// The equations of motion with a rigid part that does not change.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Held<const N: usize, V> {
     /// `H⁻¹`: products with it do not wait for each other, as those of a solution do.
     inverse: [[V; N]; N],
@@ -47,8 +47,22 @@ pub(crate) struct Held<const N: usize, V> {
 
 impl<const N: usize, V: Lane> Held<N, V> {
     #[inline(always)]
+    fn nothing(zero: V) -> Self {
+        Self { inverse: [[zero; N]; N], free: [zero; N] }
+    }
+
+    #[inline(always)]
     pub(crate) fn new(rigid: &Rigid<N, V>, tau: &[V; N]) -> Self {
-        Self { inverse: rigid.factor.inverse(), free: rigid.free(tau) }
+        let mut held = Self::nothing(tau[0].splat(0.0));
+        held.hold(rigid, tau);
+        held
+    }
+
+    /// Holds this rigid part.
+    #[inline(always)]
+    fn hold(&mut self, rigid: &Rigid<N, V>, tau: &[V; N]) {
+        rigid.factor.inverse(&mut self.inverse);
+        rigid.free(tau, &mut self.free);
     }
 
     /// Accelerations where friction takes `taken`.
@@ -69,6 +83,40 @@ impl<const N: usize, V: Lane> Held<N, V> {
     }
 }
 
+/// Velocities and accelerations at the stages of a step.
+type Stages<const N: usize, V> = [([V; N], [V; N]); 4];
+
+/// What a step is computed in: room for many, since to clear it takes longer than a tenth of an evaluation, and since what a call returns
+/// is copied.
+#[derive(Clone, Debug)]
+pub(crate) struct Workspace<const N: usize, V> {
+    pub(crate) room: Room<N, V>,
+    held: Held<N, V>,
+    stages: Stages<N, V>,
+    stages_of_part: Stages<N, V>,
+    taken_at_start: [V; N],
+    change: [V; N],
+    divided: State<N, V>,
+}
+
+impl<const N: usize, V: Lane> Workspace<N, V> {
+    /// Before the first step.
+    #[inline(always)]
+    pub(crate) fn nothing(zero: V) -> Self {
+        let zeros = [zero; N];
+        let stages = [(zeros, zeros); 4];
+        Self {
+            room: Room::nothing(zero),
+            held: Held::nothing(zero),
+            stages,
+            stages_of_part: stages,
+            taken_at_start: zeros,
+            change: zeros,
+            divided: State { q: zeros, v: zeros },
+        }
+    }
+}
+
 #[inline(always)]
 pub(crate) fn along<const N: usize, V: Lane>(x: &[V; N], slope: &[V; N], h: V) -> [V; N] {
     let mut out = *x;
@@ -80,7 +128,7 @@ pub(crate) fn along<const N: usize, V: Lane>(x: &[V; N], slope: &[V; N], h: V) -
 
 /// The state after a step of length `h`, by velocities and accelerations at its stages.
 #[inline(always)]
-pub(crate) fn after<const N: usize, V: Lane>(y: &State<N, V>, stages: &[([V; N], [V; N]); 4], h: V) -> State<N, V> {
+pub(crate) fn after<const N: usize, V: Lane>(y: &State<N, V>, stages: &Stages<N, V>, h: V) -> State<N, V> {
     let [(v1, a1), (v2, a2), (v3, a3), (v4, a4)] = stages;
     let (sixth, two) = (h * h.splat(1.0 / 6.0), h.splat(2.0));
     let mut next = *y;
@@ -110,12 +158,10 @@ fn choose<const N: usize, V: Lane>(small: V, large: V, a: &State<N, V>, b: &Stat
 
 /// By how much each speed may change in a step: half again as much as the acceleration at the beginning promises.
 #[inline(always)]
-fn changes<const N: usize, V: Lane>(a: &[V; N], dt: f64) -> [V; N] {
-    let mut out = *a;
+fn changes<const N: usize, V: Lane>(a: &[V; N], dt: f64, out: &mut [V; N]) {
     for i in 0..N {
         out[i] = a[i].magnitude() * a[i].splat(1.5 * dt);
     }
-    out
 }
 
 /// How many parts a step needs, for each run, where speeds change by `change` and `turns` is 1 where friction may turn over.
@@ -143,30 +189,35 @@ pub(crate) fn parts_to_middle<V: Lane>(parts: V) -> V {
 /// How many parts a step of one arm is divided into.
 pub(crate) fn parts_of_step<const N: usize>(chain: &Chain<N>, y: &State<N, f64>, tau: &[f64; N], dt: f64) -> f64 {
     let mut room = Room::nothing(0.0);
-    let change = changes(&chain.accelerate_alone(&y.q, &y.v, tau, &mut room), dt);
+    let mut change = *tau;
+    changes(&chain.accelerate_alone(&y.q, &y.v, tau, &mut room), dt, &mut change);
     let turns = chain.forces.turns(&y.v, &change, REACH);
     if turns < 0.5 { 1.0 } else { parts(chain, y, (&change, turns), &Held::new(&room.rigid, tau), dt) }
 }
 
-/// The state after `length` in equal parts, as many as each run needs, from a state at which friction takes `taken`: by the midpoint
-/// rule where it is `to_middle`, else by the method of order 4.
+/// The state `divided` after `length` in equal parts, as many as each run needs, from a state at which friction takes what it took at the
+/// start: by the midpoint rule where it is `to_middle`, else by the method of order 4.
 #[inline(always)]
 fn in_parts<const N: usize, V: Lane>(
     chain: &Chain<N>,
-    held: &Held<N, V>,
-    (start, taken): (&State<N, V>, &[V; N]),
+    Workspace { room, held, stages_of_part: stages, taken_at_start, divided: y, .. }: &mut Workspace<N, V>,
+    start: &State<N, V>,
     (length, parts): (f64, V),
     to_middle: bool,
-) -> State<N, V> {
+) {
     let h = parts.splat(length).over(parts);
-    let (mut y, mut done, most) = (*start, 0.0, parts.most());
-    let zeros = [h.splat(0.0); N];
-    let mut stages = [(zeros, zeros); 4];
+    let (taken, mut done, most) = (&mut room.taken, 0.0, parts.most());
+    for i in 0..N {
+        (taken[i], y.q[i], y.v[i]) = (taken_at_start[i], start.q[i], start.v[i]);
+    }
     while done < most {
         let (mut q, mut v) = (y.q, y.v);
         for stage in 0..if to_middle { 2 } else { 4 } {
             let is_known = stage == 0 && done == 0.0;
-            let a = held.accelerations(&if is_known { *taken } else { chain.forces.torque(&q, &v) });
+            if !is_known {
+                chain.forces.torque(&q, &v, taken);
+            }
+            let a = held.accelerations(taken);
             // One by one they are stored from registers, both together by a call.
             stages[stage].0 = v;
             stages[stage].1 = a;
@@ -174,12 +225,11 @@ fn in_parts<const N: usize, V: Lane>(
             q = along(&y.q, &v, ahead);
             v = along(&y.v, &a, ahead);
         }
-        let next = if to_middle { after_middle(&y, &stages[1], h) } else { after(&y, &stages, h) };
+        let next = if to_middle { after_middle(y, &stages[1], h) } else { after(y, stages, h) };
         // A run that has had all its parts waits for the others.
-        y = choose(h.splat(done), parts, &next, &y);
+        *y = choose(h.splat(done), parts, &next, y);
         done += 1.0;
     }
-    y
 }
 
 /// Steps one arm by `dt` under held torque; compiled once for all that step arms one by one.
@@ -189,9 +239,9 @@ pub(crate) fn step_alone<const N: usize>(
     y: &mut State<N, f64>,
     tau: &[f64; N],
     dt: f64,
-    room: &mut Room<N, f64>,
+    workspace: &mut Workspace<N, f64>,
 ) {
-    step(chain, y, tau, dt, room);
+    step(chain, y, tau, dt, workspace);
 }
 
 /// Where the rigid part is evaluated after the four stages of a step that is not divided.
@@ -205,31 +255,29 @@ pub(crate) fn step<const N: usize, V: Sines>(
     y: &mut State<N, V>,
     tau: &[V; N],
     dt: f64,
-    room: &mut Room<N, V>,
+    workspace: &mut Workspace<N, V>,
 ) {
     let one = tau[0].splat(1.0);
     let h = one.splat(dt);
     let (mut parts_of_runs, mut some_whole, mut some_divided) = (one, true, false);
-    let (mut q, mut v, mut divided) = (y.q, y.v, *y);
-    let mut taken_at_start = [one.splat(0.0); N];
-    let mut stages = [(taken_at_start, taken_at_start); 4];
+    let (mut q, mut v) = (y.q, y.v);
     for evaluation in 0..=MIDDLE {
         if evaluation == MIDDLE {
             if !some_divided {
                 break;
             }
-            (q, v) = (divided.q, divided.v);
+            (q, v) = (workspace.divided.q, workspace.divided.v);
         } else if evaluation > 0 && !some_whole {
             continue;
         }
-        let taken = chain.parts(&q, &v, room, evaluation < MIDDLE);
-        let (mut change, mut turns) = (v, one);
+        let Workspace { room, held, stages, taken_at_start, change, .. } = &mut *workspace;
+        chain.parts(&q, &v, room, evaluation < MIDDLE);
+        let mut turns = one;
         if evaluation < MIDDLE {
-            let a = room.rigid.accelerations(tau, &taken);
+            let a = room.rigid.accelerations(tau, &room.taken);
             if evaluation == 0 {
-                taken_at_start = taken;
-                change = changes(&a, dt);
-                turns = chain.forces.turns(&v, &change, REACH);
+                changes(&a, dt, change);
+                turns = chain.forces.turns(&v, change, REACH);
                 some_divided = turns.most() > 0.5;
             }
             stages[evaluation].0 = v;
@@ -239,22 +287,22 @@ pub(crate) fn step<const N: usize, V: Sines>(
             v = along(&y.v, &a, ahead);
         }
         if some_divided && (evaluation == 0 || evaluation == MIDDLE) {
-            let held = Held::new(&room.rigid, tau);
+            held.hold(&room.rigid, tau);
             let (mut length, mut parts_of_length) = (dt, parts_of_runs);
             if evaluation == 0 {
-                parts_of_runs = parts(chain, y, (&change, turns), &held, dt);
+                *taken_at_start = room.taken;
+                parts_of_runs = parts(chain, y, (change, turns), held, dt);
                 some_divided = parts_of_runs.most() > 1.0;
                 some_whole = (-parts_of_runs).most() == -1.0;
                 (length, parts_of_length) = (0.5 * dt, parts_to_middle(parts_of_runs));
             }
             if some_divided {
-                let to_middle = evaluation == 0;
-                divided = in_parts(chain, &held, (y, &taken_at_start), (length, parts_of_length), to_middle);
+                in_parts(chain, workspace, y, (length, parts_of_length), evaluation == 0);
             }
         }
     }
-    let whole = after(y, &stages, h);
-    *y = if some_divided { choose(one, parts_of_runs, &divided, &whole) } else { whole };
+    let whole = after(y, &workspace.stages, h);
+    *y = if some_divided { choose(one, parts_of_runs, &workspace.divided, &whole) } else { whole };
 }
 
 #[cfg(test)]

@@ -7,8 +7,8 @@ use armid::experiment::{Plant, PlantError};
 use armid::model::{Robot, StandardParameters};
 
 use super::chain::Chain;
-use super::forward::Room;
-use super::integrator::{self, State};
+
+use super::integrator::{self, State, Workspace};
 use super::team::{Advance, InTurn, Members, OnLanes, Side};
 
 /// A serial arm of rigid links with rotors and friction, integrated by Runge–Kutta of order 4 (see the module).
@@ -147,14 +147,14 @@ trait Arm: std::fmt::Debug + Send + Sync {
 struct Jointed<const N: usize, A> {
     chain: Chain<N>,
     state: State<N, f64>,
-    room: Room<N, f64>,
+    workspace: Workspace<N, f64>,
     advance: PhantomData<fn() -> A>,
 }
 
 impl<const N: usize, A> Jointed<N, A> {
     fn new(robot: &Robot, parameters: &StandardParameters) -> Self {
         let state = State { q: [0.0; N], v: [0.0; N] };
-        Self { chain: Chain::new(robot, parameters), state, room: Room::nothing(0.0), advance: PhantomData }
+        Self { chain: Chain::new(robot, parameters), state, workspace: Workspace::nothing(0.0), advance: PhantomData }
     }
 }
 
@@ -174,17 +174,22 @@ impl<const N: usize, A: Advance> Arm for Jointed<N, A> {
     }
 
     fn step(&mut self, tau: &[f64], dt: f64) {
-        integrator::step_alone(&self.chain, &mut self.state, &fixed(tau), dt, &mut self.room);
+        integrator::step_alone(&self.chain, &mut self.state, &fixed(tau), dt, &mut self.workspace);
     }
 
     fn acceleration(&mut self, tau: &[f64], qdd: &mut [f64]) -> bool {
-        let Self { chain, state, room, .. } = self;
+        let Self { chain, state, workspace: Workspace { room, .. }, .. } = self;
         qdd.copy_from_slice(&chain.accelerate_alone(&state.q, &state.v, &fixed(tau), room));
         room.rigid.factor.is_positive()
     }
 
     fn boxed(&self) -> Box<dyn Arm> {
-        Box::new(Self { chain: self.chain.clone(), state: self.state, room: self.room.clone(), advance: PhantomData })
+        Box::new(Self {
+            chain: self.chain.clone(),
+            state: self.state,
+            workspace: self.workspace.clone(),
+            advance: PhantomData,
+        })
     }
 
     fn members(&self, runs: usize) -> Box<dyn Members> {

@@ -1,5 +1,6 @@
 //! Several runs of one arm that advance together, one per lane of the processor.
 
+use std::any::Any;
 use std::marker::PhantomData;
 use std::ops::Range;
 
@@ -7,8 +8,7 @@ use armid::experiment::{PlantError, Runs};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::chain::Chain;
-use super::forward::Room;
-use super::integrator::{self, State};
+use super::integrator::{self, State, Workspace};
 use super::plant::AnalyticPlant;
 use armid::lanes::{MOST_LANES, Wide};
 
@@ -133,6 +133,8 @@ pub(super) struct Side<const N: usize, A> {
     chain: Chain<N>,
     runs: usize,
     groups: Vec<Group<N>>,
+    /// A [`Workspace`] of the processor's lanes: how many they are is found out when the program runs.
+    workspace: Option<Box<dyn Any + Send>>,
     advance: PhantomData<fn() -> A>,
 }
 
@@ -166,13 +168,13 @@ impl Advance for InTurn {
 
 impl<const N: usize, A> Side<N, A> {
     fn step_in_turn(&mut self, dt: f64) {
-        let mut room = Room::nothing(0.0);
+        let mut workspace = Workspace::nothing(0.0);
         for run in 0..self.runs {
             let (lanes, lane) = (self.lanes(run), run % MOST_LANES);
             let group = &mut self.groups[run / MOST_LANES];
             let of_run = |joints: &[Runs; N]| std::array::from_fn(|i| joints[i][lane]);
             let mut state = State { q: of_run(&group.q), v: of_run(&group.v) };
-            integrator::step_alone(&self.chain, &mut state, &of_run(&group.tau), dt, &mut room);
+            integrator::step_alone(&self.chain, &mut state, &of_run(&group.tau), dt, &mut workspace);
             for lane in lanes {
                 for i in 0..N {
                     (group.q[i][lane], group.v[i][lane]) = (state.q[i], state.v[i]);
@@ -184,7 +186,13 @@ impl<const N: usize, A> Side<N, A> {
     pub(super) fn new(chain: &Chain<N>, state: &State<N, f64>, runs: usize) -> Self {
         let of_all = |joints: [f64; N]| joints.map(|x| [x; MOST_LANES]);
         let group = Group { q: of_all(state.q), v: of_all(state.v), tau: [[0.0; MOST_LANES]; N] };
-        Self { chain: chain.clone(), runs, groups: vec![group; runs.div_ceil(MOST_LANES)], advance: PhantomData }
+        Self {
+            chain: chain.clone(),
+            runs,
+            groups: vec![group; runs.div_ceil(MOST_LANES)],
+            workspace: None,
+            advance: PhantomData,
+        }
     }
 
     /// The lanes of a run: its own, and of the last one those that are left.
@@ -267,13 +275,18 @@ impl<const N: usize> WithSimd for Step<'_, N> {
             side.step_in_turn(dt);
             return;
         }
+        // That of the last step, unless another width of lanes took it.
+        if !side.workspace.as_ref().is_some_and(|workspace| workspace.is::<Workspace<N, Wide<S>>>()) {
+            let zero = Wide::new(simd, simd.splat_f64s(0.0));
+            side.workspace = Some(Box::new(Workspace::<N, Wide<S>>::nothing(zero)));
+        }
+        let Some(workspace) = side.workspace.as_mut().and_then(|workspace| workspace.downcast_mut()) else { return };
         let mut first = 0;
         while first < side.runs {
             let (group, lane) = (&mut side.groups[first / MOST_LANES], first % MOST_LANES);
             let mut y = State { q: load(simd, &group.q, lane), v: load(simd, &group.v, lane) };
             let tau = load(simd, &group.tau, lane);
-            let mut room = Room::nothing(Wide::new(simd, simd.splat_f64s(0.0)));
-            integrator::step(&side.chain, &mut y, &tau, dt, &mut room);
+            integrator::step(&side.chain, &mut y, &tau, dt, workspace);
             store(&y.q, &mut group.q, lane);
             store(&y.v, &mut group.v, lane);
             first += S::F64_LANES;

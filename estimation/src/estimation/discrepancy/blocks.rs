@@ -52,16 +52,28 @@ impl BlockedEquations {
             let used = (0..length).filter(|k| observation.used[(block * length + k) * n + i]).count();
             *weight = if 2 * used >= length { (used as f64 / length as f64).sqrt() } else { 0.0 };
         }
-        let mean = |column: &[f64], row: usize| {
-            let (block, i) = (row / n, row % n);
-            let rows = (0..length).map(|k| (block * length + k) * n + i).filter(|row| observation.used[*row]);
-            let sum: f64 = rows.map(|row| column[row]).sum();
-            // Rows that are no equation are zero.
-            let used = weight[row] * weight[row] * length as f64;
-            if used > 0.0 { sum / used } else { 0.0 }
+        let means = |columns: &[f64]| {
+            let mut means = Vec::with_capacity(n * count * (columns.len() / (n * m)));
+            for column in columns.chunks_exact(n * m) {
+                let blocks = column.chunks_exact(n * length).zip(observation.used.chunks_exact(n * length));
+                for ((entries, used), weight) in blocks.zip(weight.chunks_exact(n)) {
+                    let from = means.len();
+                    means.resize(from + n, 0.0);
+                    let block = &mut means[from..];
+                    for (entries, used) in entries.chunks_exact(n).zip(used.chunks_exact(n)) {
+                        for ((sum, entry), used) in block.iter_mut().zip(entries).zip(used) {
+                            *sum += if *used { *entry } else { 0.0 };
+                        }
+                    }
+                    for (sum, weight) in block.iter_mut().zip(weight) {
+                        // Rows that are no equation are zero.
+                        let used = weight * weight * length as f64;
+                        *sum = if used > 0.0 { *sum / used } else { 0.0 };
+                    }
+                }
+            }
+            DMatrix::from_vec(n * count, columns.len() / (n * m), means)
         };
-        let regressor = observation.regressor.as_slice();
-        let rows = observation.regressor.nrows();
         let raw = samples.block * length;
         let state = |values: &[f64]| {
             DMatrix::from_fn(count, n, |block, i| {
@@ -75,14 +87,9 @@ impl BlockedEquations {
             periodic: observation.periodic && count * length == m,
             dof: n,
             samples: m,
-            regressor: DMatrix::from_fn(n * count, observation.regressor.ncols(), |row, j| {
-                mean(&regressor[j * rows..(j + 1) * rows], row)
-            }),
-            torque: DVector::from_fn(n * count, |row, _| mean(observation.y.as_slice(), row)),
-            laws: laws.map_or_else(
-                || DMatrix::zeros(n * count, 0),
-                |laws| DMatrix::from_fn(n * count, laws.ncols(), |row, j| mean(laws.column(j).as_slice(), row)),
-            ),
+            regressor: means(observation.regressor.as_slice()),
+            torque: means(observation.y.as_slice()).column(0).into_owned(),
+            laws: means(laws.map_or(&[], DMatrix::as_slice)),
             weight,
             q: state(&samples.states.q),
             qd: state(&samples.states.qd),
@@ -112,11 +119,12 @@ impl BlockedEquations {
         self.weight.iter().skip(joint).step_by(self.dof).copied().collect()
     }
 
-    /// Sums of a joint's rows over blocks, count × columns.
-    pub(super) fn sums(&self, columns: &DMatrix<f64>, joint: usize) -> DMatrix<f64> {
-        let mut sums = DMatrix::zeros(self.count, columns.ncols());
-        for (mut sums, column) in sums.column_iter_mut().zip(columns.column_iter()) {
-            let (sums, mut samples) = (sums.as_mut_slice(), column.as_slice().chunks_exact(self.dof));
+    /// Sums of a joint's rows over blocks, count × columns, of columns of n·M numbers each.
+    pub(super) fn sums(&self, columns: &[f64], joint: usize) -> DMatrix<f64> {
+        let columns = columns.chunks_exact(self.dof * self.samples);
+        let mut sums = DMatrix::zeros(self.count, columns.len());
+        for (mut sums, column) in sums.column_iter_mut().zip(columns) {
+            let (sums, mut samples) = (sums.as_mut_slice(), column.chunks_exact(self.dof));
             for (block, sum) in sums.iter_mut().enumerate() {
                 let length = if block + 1 == self.count { self.samples } else { self.length };
                 *sum = samples.by_ref().take(length).map(|sample| sample[joint]).sum();

@@ -97,8 +97,14 @@ fn of_joint(
 fn bumps(variables: &[(&[f64], usize)]) -> DMatrix<f64> {
     let grids = variables.iter().map(|(values, count)| grid(values, *count));
     let product = |of: DMatrix<f64>, with: DMatrix<f64>| {
-        let columns = with.column_iter().flat_map(|b| of.column_iter().map(move |a| a.component_mul(&b)));
-        DMatrix::from_columns(&columns.collect::<Vec<_>>())
+        let (rows, columns) = (of.nrows(), of.ncols() * with.ncols());
+        let mut out = Vec::with_capacity(rows * columns);
+        for b in with.as_slice().chunks_exact(rows.max(1)) {
+            for a in of.as_slice().chunks_exact(rows.max(1)) {
+                out.extend(a.iter().zip(b).map(|(a, b)| a * b));
+            }
+        }
+        DMatrix::from_vec(rows, columns, out)
     };
     grids.reduce(product).unwrap_or_else(|| DMatrix::zeros(0, 0))
 }

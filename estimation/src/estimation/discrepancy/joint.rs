@@ -213,23 +213,22 @@ impl Whitening {
     /// Columns, weighted.
     fn apply(&self, columns: &DMatrix<f64>, weight: &[f64]) -> DMatrix<f64> {
         let rows = columns.nrows();
-        let mut white = DMatrix::zeros(rows, columns.ncols());
+        let mut white = columns.clone();
         let first = self.inverse_root.first().copied().unwrap_or(1.0);
-        let flat = self.inverse_root.iter().all(|root| (root - first).abs() <= 1e-12 * first);
-        for (j, column) in columns.column_iter().enumerate() {
-            let weighted: Vec<f64> = column.iter().zip(weight).map(|(value, weight)| value * weight).collect();
-            if flat {
-                for (row, value) in weighted.iter().enumerate() {
-                    white[(row, j)] = value * first;
-                }
+        let is_flat = self.inverse_root.iter().all(|root| (root - first).abs() <= 1e-12 * first);
+        for mut column in white.column_iter_mut() {
+            let column = column.as_mut_slice();
+            if is_flat {
+                column.iter_mut().zip(weight).for_each(|(value, weight)| *value = *value * weight * first);
                 continue;
             }
+            let weighted: Vec<f64> = column.iter().zip(weight).map(|(value, weight)| value * weight).collect();
             let spectrum = self.transform.forward_real(&weighted);
             let scaled: Vec<Complex<f64>> =
                 spectrum.iter().zip(&self.inverse_root).map(|(value, root)| (value * *root).conj()).collect();
             // Conjugated, so that the forward transform runs backwards.
-            for (row, value) in self.transform.forward(&scaled).iter().enumerate() {
-                white[(row, j)] = if weight[row] > 0.0 { value.re / rows as f64 } else { 0.0 };
+            for ((row, value), weight) in column.iter_mut().zip(self.transform.forward(&scaled)).zip(weight) {
+                *row = if *weight > 0.0 { value.re / rows as f64 } else { 0.0 };
             }
         }
         white
