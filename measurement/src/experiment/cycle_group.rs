@@ -38,16 +38,33 @@ fn lanes(run: usize, runs: usize) -> Range<usize> {
     run..if run + 1 == runs { MOST_LANES } else { run + 1 }
 }
 
+/// Numbers that are looked at together: lanes beyond the runs hold none, so that most of them are left out.
+const TOGETHER: usize = 8;
+
+/// What some runs have of each joint, a few at a time.
+fn parts(joint: &Runs, runs: usize) -> &[[f64; TOGETHER]] {
+    &joint.as_chunks().0[..runs.div_ceil(TOGETHER)]
+}
+
 /// Whether all numbers of some runs are.
 fn all_finite(joints: &[Runs], runs: usize) -> bool {
-    let parts = joints.iter().flat_map(|joint| joint.as_chunks::<8>().0.iter().take(runs.div_ceil(8)));
+    let parts = joints.iter().flat_map(|joint| parts(joint, runs));
     parts.fold(true, |finite, part| part.iter().fold(finite, |finite, x| finite & x.is_finite()))
 }
 
-/// Whether no joint of a run is faster than its limit.
+/// Whether no joint of some runs is faster than its limit.
 fn all_slow(qd: &[Runs], runs: usize, limits: &[f64]) -> bool {
-    let slow = |(joint, limit): (&Runs, &f64)| joint.iter().fold(true, |slow, qd| slow & (qd.abs() <= *limit));
-    qd.iter().zip(limits).fold(true, |all, joint| all & slow(joint)) && all_finite(qd, runs)
+    // Differences, so that lanes are compared as vectors. One that is no number is found by the other test.
+    let mut most = [0.0; TOGETHER];
+    for (joint, limit) in qd.iter().zip(limits) {
+        for part in parts(joint, runs) {
+            for (most, qd) in most.iter_mut().zip(part) {
+                let excess = qd.abs() - limit;
+                *most = if excess > *most { excess } else { *most };
+            }
+        }
+    }
+    most == [0.0; TOGETHER] && all_finite(qd, runs)
 }
 
 impl CycleGroup {
