@@ -9,6 +9,7 @@ mod arguments;
 mod arms;
 mod commands;
 mod interrupt;
+mod memory;
 mod monitor;
 mod terminal;
 
@@ -19,6 +20,7 @@ use clap::Parser;
 
 /// Everything between the arguments of the process and its exit status.
 pub fn main() -> ExitCode {
+    memory::keep_freed();
     terminal::install_reporter();
     armid::remedy::set_wording(&terminal::Flags);
     let line = CommandLine::parse();
