@@ -38,7 +38,7 @@ fn lanes(run: usize, runs: usize) -> Range<usize> {
     run..if run + 1 == runs { MOST_LANES } else { run + 1 }
 }
 
-/// Numbers that are looked at together: lanes beyond the runs hold none, so that most of them are left out.
+/// Numbers that are looked at together. Lanes beyond the runs hold none, so most of them are left out.
 const TOGETHER: usize = 8;
 
 /// What some runs have of each joint, a few at a time.

@@ -12,7 +12,7 @@ use super::sensing::{Ammeter, Encoder, Sensors};
 use crate::lanes::{Lane, MOST_LANES, Wide};
 use crate::model::EffortInterface;
 
-/// One number of each run of a group. Where there are fewer runs, the last stands on the lanes that are left.
+/// One number of each run of a group. Where there are fewer runs, what stands on the lanes that are left means nothing.
 pub type Runs = [f64; MOST_LANES];
 
 const NONE: Runs = [0.0; MOST_LANES];
@@ -46,6 +46,7 @@ struct JointRuns {
 pub(super) struct JointLoops {
     joints: Vec<JointRuns>,
     motors: Motors,
+    /// Lanes beyond them are left out but for those that fill a vector.
     runs: usize,
     position_noise: bool,
     fresh: bool,

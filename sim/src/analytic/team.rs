@@ -64,7 +64,7 @@ impl AnalyticBatch {
         (of_run(q), of_run(qd))
     }
 
-    /// Coordinates, velocities and efforts of the joints of eight runs from `8 group` on, n each. Beyond the last run its own stand again.
+    /// Coordinates, velocities and efforts of the joints of eight runs from `8 group` on, n each. What stands beyond the last run means nothing.
     ///
     /// # Panics
     /// If there is no such group.

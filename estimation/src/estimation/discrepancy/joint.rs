@@ -8,12 +8,12 @@
 //! degrees of freedom where there is noise alone, ν those of the scatter; S_k nearly one of (tr G)²/tr G² and ν, G = Φ̃_kᵀΦ̃_k
 //! (F. E. Satterthwaite, Biometrics Bulletin 2(6), 1946).
 
-use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
+use nalgebra::{Complex, DMatrix, DVector};
 
 use super::blocks::BlockedEquations;
 use super::features::{Functions, SHARED};
 use super::sizes::ReducedResidual;
-use crate::linalg::{RowFactor, column_squares, product, transpose_product};
+use crate::linalg::{RowFactor, column_squares, product, symmetric_eigen, transpose_product};
 use crate::signal::{FourierTransform, NoiseModel};
 use crate::statistics::f_tail;
 
@@ -146,7 +146,7 @@ impl JointResidual {
         let mut kept: Vec<DMatrix<f64>> = Vec::new();
         let mut visible = Vec::new();
         for group in self.groups.iter().filter(|_| own) {
-            let eigen = SymmetricEigen::new(column_squares(group));
+            let eigen = symmetric_eigen(column_squares(group));
             let least = LEAST_DIRECTION * eigen.eigenvalues.max().max(f64::MIN_POSITIVE);
             let places: Vec<usize> = (0..eigen.eigenvalues.len()).filter(|&j| eigen.eigenvalues[j] > least).collect();
             let directions = group * eigen.eigenvectors.select_columns(&places);
