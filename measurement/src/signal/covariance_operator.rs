@@ -35,7 +35,7 @@ impl CovarianceOperator {
         self.apply_to_columns(w.as_slice(), w.nrows())
     }
 
-    /// The same for the columns of a matrix of so many rows.
+    /// The same for columns of `rows` numbers that follow each other; a part of a column at the end is left out.
     pub fn apply_to_columns(&self, columns: &[f64], rows: usize) -> DMatrix<f64> {
         let n = self.lags[0].nrows();
         let (count, columns_of) = (rows / n, columns.chunks_exact(rows.max(1)));

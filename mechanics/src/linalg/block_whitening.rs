@@ -79,7 +79,7 @@ impl BlockWhitening {
         self.precision_of_columns(w.as_slice(), w.nrows(), used)
     }
 
-    /// The same for the columns of a matrix of so many rows.
+    /// The same for columns of `rows` numbers that follow each other; a part of a column at the end is left out.
     ///
     /// # Errors
     /// As [`Self::whiten`].

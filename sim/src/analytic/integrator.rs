@@ -86,8 +86,7 @@ impl<const N: usize, V: Lane> Held<N, V> {
 /// Velocities and accelerations at the stages of a step.
 type Stages<const N: usize, V> = [([V; N], [V; N]); 4];
 
-/// What a step is computed in: room for many, since to clear it takes longer than a tenth of an evaluation, and since what a call returns
-/// is copied.
+/// What a step is computed in. It is room for many steps: to clear it takes time at each, and what a call returns is copied.
 #[derive(Clone, Debug)]
 pub(crate) struct Workspace<const N: usize, V> {
     pub(crate) room: Room<N, V>,

@@ -7,7 +7,6 @@ use armid::experiment::{Plant, PlantError};
 use armid::model::{Robot, StandardParameters};
 
 use super::chain::Chain;
-
 use super::integrator::{self, State, Workspace};
 use super::team::{Advance, InTurn, Members, OnLanes, Side};
 

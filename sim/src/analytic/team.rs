@@ -64,7 +64,7 @@ impl AnalyticBatch {
         (of_run(q), of_run(qd))
     }
 
-    /// Coordinates, velocities and efforts of the joints of eight runs from `8 group` on, n each. What stands beyond the last run means nothing.
+    /// Coordinates, velocities and efforts of the joints of [`MOST_LANES`] runs, n each. What stands beyond the last run means nothing.
     ///
     /// # Panics
     /// If there is no such group.
@@ -280,7 +280,8 @@ impl<const N: usize> WithSimd for Step<'_, N> {
             let zero = Wide::new(simd, simd.splat_f64s(0.0));
             side.workspace = Some(Box::new(Workspace::<N, Wide<S>>::nothing(zero)));
         }
-        let Some(workspace) = side.workspace.as_mut().and_then(|workspace| workspace.downcast_mut()) else { return };
+        let workspace = side.workspace.as_mut().and_then(|workspace| workspace.downcast_mut());
+        let workspace = workspace.expect("it was just made for these lanes");
         let mut first = 0;
         while first < side.runs {
             let (group, lane) = (&mut side.groups[first / MOST_LANES], first % MOST_LANES);

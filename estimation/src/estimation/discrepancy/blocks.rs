@@ -53,26 +53,10 @@ impl BlockedEquations {
             *weight = if 2 * used >= length { (used as f64 / length as f64).sqrt() } else { 0.0 };
         }
         let means = |columns: &[f64]| {
-            let mut means = Vec::with_capacity(n * count * (columns.len() / (n * m)));
-            for column in columns.chunks_exact(n * m) {
-                let blocks = column.chunks_exact(n * length).zip(observation.used.chunks_exact(n * length));
-                for ((entries, used), weight) in blocks.zip(weight.chunks_exact(n)) {
-                    let from = means.len();
-                    means.resize(from + n, 0.0);
-                    let block = &mut means[from..];
-                    for (entries, used) in entries.chunks_exact(n).zip(used.chunks_exact(n)) {
-                        for ((sum, entry), used) in block.iter_mut().zip(entries).zip(used) {
-                            *sum += if *used { *entry } else { 0.0 };
-                        }
-                    }
-                    for (sum, weight) in block.iter_mut().zip(weight) {
-                        // Rows that are no equation are zero.
-                        let used = weight * weight * length as f64;
-                        *sum = if used > 0.0 { *sum / used } else { 0.0 };
-                    }
-                }
-            }
-            DMatrix::from_vec(n * count, columns.len() / (n * m), means)
+            let columns = columns.chunks_exact(n * m);
+            let count_of = columns.len();
+            let means = columns.flat_map(|column| block_means(column, &observation.used, &weight, [n, length]));
+            DMatrix::from_vec(n * count, count_of, means.collect())
         };
         let raw = samples.block * length;
         let state = |values: &[f64]| {
@@ -146,4 +130,22 @@ impl BlockedEquations {
             })
             .collect()
     }
+}
+
+/// Means of a column of n·M entries over the used ones of each block of `length` samples, n for each block; zero where the weight is.
+fn block_means(column: &[f64], used: &[bool], weight: &[f64], [n, length]: [usize; 2]) -> Vec<f64> {
+    let mut means = vec![0.0; weight.len()];
+    let blocks = column.chunks_exact(n * length).zip(used.chunks_exact(n * length));
+    for ((block, (entries, used)), weight) in means.chunks_exact_mut(n).zip(blocks).zip(weight.chunks_exact(n)) {
+        for (entries, used) in entries.chunks_exact(n).zip(used.chunks_exact(n)) {
+            let of_sample = entries.iter().zip(used).map(|(entry, used)| if *used { *entry } else { 0.0 });
+            block.iter_mut().zip(of_sample).for_each(|(sum, entry)| *sum += entry);
+        }
+        for (mean, weight) in block.iter_mut().zip(weight) {
+            // Rows that are no equation are zero.
+            let used = weight * weight * length as f64;
+            *mean = if used > 0.0 { *mean / used } else { 0.0 };
+        }
+    }
+    means
 }
